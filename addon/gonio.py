@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The virtual gonioreflectometer: a material's BRDF, measured in Cycles itself.
+
+An OSL camera sends pixel (x, y) as the ray that leaves a flat patch toward wo(x, y); a sun at theta_i lights it.
+Works with OSL shading off too: then the material's plain nodes run in SVM, as they do on GPUs.
+A second instrument needs no OSL: one point of a point cloud is traced as a perfect sphere.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..nodegroups.osl_script import text_block
+from .material import Choice, build
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from bpy.types import Camera, Material, Object, Scene
+    from numpy.typing import NDArray
+
+    from .presets import Preset
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What is measured. Angles in degrees; ``window`` half width around the mirror direction, 0 for the hemisphere.
+
+    ``sun_angle`` is the sun's full angle (0: a direction); ``furnace``: a uniform white world in place of the sun.
+    """
+
+    theta_i: float = 0.0
+    window: float = 0.0
+    resolution: tuple[int, int] = (64, 64)
+    sun_angle: float = 0.0
+    furnace: bool = False
+
+    def wi(self) -> NDArray[np.float64]:
+        """Direction to the (centre of the) sun, (3,)."""
+        return np.array([np.sin(np.radians(self.theta_i)), 0.0, np.cos(np.radians(self.theta_i))])
+
+    def wo(self) -> NDArray[np.float64]:
+        """Direction to the viewer of each pixel, (H, W, 3); row 0 nearest the normal, or at b = -window.
+
+        A window may reach below the surface.
+        """
+        width, height = self.resolution
+        x, y = np.broadcast_arrays((np.arange(width) + 0.5) / width, ((np.arange(height) + 0.5) / height)[:, None])
+        if not self.window:
+            theta, phi = np.pi / 2 * y, 2 * np.pi * x
+            return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
+        a, b = np.radians(self.window * (2 * x - 1)), np.radians(self.window * (2 * y - 1))
+        inclined = np.radians(self.theta_i) + a
+        # w + tan(a) e1 + tan(b) e2, times cos(a)
+        wo = np.stack([-np.sin(inclined), np.cos(a) * np.tan(b), np.cos(inclined)], axis=-1)
+        return wo / np.linalg.norm(wo, axis=-1, keepdims=True)
+
+
+def measure(
+    material: Material, geometry: Geometry, *, samples: int = 1, seed: int = 0, shading_osl: bool = True
+) -> NDArray[np.float32]:
+    """f(wi, wo) of any ``material`` in 1/sr, (H, W, 3), as Cycles renders it.
+
+    With a sun angle: the cosine-weighted mean of f over the disc; with ``furnace``: the directional albedo E(wo).
+    shading_osl: run shaders as OSL (script nodes need it) or as SVM. Needs a Blender with OSL for the camera.
+    """
+    return _measure(lambda _lamps: material, geometry, samples, seed, shading_osl)
+
+
+def measure_preset(
+    preset: Preset, backend: str, estimator: str, geometry: Geometry, *,
+    samples: int = 1, seed: int = 0, shading_osl: bool = True,
+) -> NDArray[np.float32]:  # fmt: skip
+    """As ``measure``, of the material that ``preset`` makes; ``direct`` is bound to the instrument's sun."""
+
+    def make(lamps: tuple[Object, ...]) -> Material:
+        # No shadows: tracing under an OSL camera crashes Blender 5.2.3, and nothing stands in the light.
+        bound = lamps if estimator == "direct" else ()
+        return build(preset, Choice(backend, estimator, bound, shadows=False))
+
+    return _measure(make, geometry, samples, seed, shading_osl)
+
+
+def _measure(
+    make: Callable[[tuple[Object, ...]], Material], geometry: Geometry, samples: int, seed: int, shading_osl: bool
+) -> NDArray[np.float32]:
+    with stage(geometry.resolution, samples=samples, seed=seed, shading_osl=shading_osl) as scene:
+        lamps = light(scene, geometry)
+        _patch(scene, make(lamps))
+        _camera(scene, geometry)
+        return rendered(scene)
+
+
+@contextmanager
+def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: bool) -> Iterator[Scene]:
+    """A scene of its own with nothing between the estimator and the number; removed with all it held."""
+    before = {name: set(getattr(bpy.data, name)) for name in ("objects", "materials", "meshes", "cameras", "lights", "worlds")}
+    scene = bpy.data.scenes.new("VGroove gonio")
+    try:
+        render, cycles = scene.render, scene.cycles
+        render.engine = "CYCLES"
+        render.resolution_x, render.resolution_y, render.resolution_percentage = *resolution, 100
+        render.use_compositing = render.use_sequencer = False
+        render.threads_mode = "AUTO"
+        render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+        render.image_settings.exr_codec = "NONE"
+        render.dither_intensity = 0.0
+        scene.view_settings.view_transform = "Raw"
+        cycles.device, cycles.shading_system = "CPU", shading_osl
+        cycles.samples, cycles.seed = samples, seed
+        cycles.use_denoising = cycles.use_adaptive_sampling = False
+        cycles.pixel_filter_type, cycles.filter_width = "BOX", 0.01
+        cycles.blur_glossy = cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+        cycles.light_sampling_threshold = 0.0
+        scene.world = bpy.data.worlds.new("VGroove gonio")
+        yield scene
+    finally:
+        bpy.data.scenes.remove(scene)
+        for name, kept in before.items():
+            collection = getattr(bpy.data, name)
+            for item in set(collection) - kept:
+                collection.remove(item)
+
+
+def light(scene: Scene, geometry: Geometry) -> tuple[Object, ...]:
+    """The lamps of the instrument: the sun at theta_i, strong enough that a BRDF of f gives a radiance of f; or a uniform white world."""
+    world = scene.world
+    if bpy.app.version < (5, 0, 0):  # as for materials; goes with 4.5 LTS
+        world.use_nodes = True
+    background = world.node_tree.nodes.get("Background") or world.node_tree.nodes.new("ShaderNodeBackground")
+    output = next((n for n in world.node_tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"), None)
+    output = output or world.node_tree.nodes.new("ShaderNodeOutputWorld")
+    world.node_tree.links.new(background.outputs[0], output.inputs["Surface"])
+    level = 1.0 if geometry.furnace else 0.0
+    background.inputs["Color"].default_value = (level, level, level, 1.0)
+    if geometry.furnace:
+        return ()
+    sun = bpy.data.lights.new("VGroove gonio", "SUN")
+    sun.energy, sun.angle = 1.0 / np.cos(np.radians(geometry.theta_i)), np.radians(geometry.sun_angle)
+    lamp = bpy.data.objects.new("VGroove gonio", sun)
+    lamp.rotation_euler = (0.0, np.radians(geometry.theta_i), 0.0)
+    scene.collection.objects.link(lamp)
+    return (lamp,)
+
+
+def _patch(scene: Scene, material: Material) -> None:
+    """One triangle far larger than what the camera sees: rays through an inner edge would miss."""
+    mesh = bpy.data.meshes.new("VGroove gonio")
+    mesh.from_pydata([(-4, -3, 0), (4, -3, 0), (0, 5, 0)], [], [(0, 1, 2)])
+    mesh.materials.append(material)
+    scene.collection.objects.link(bpy.data.objects.new("VGroove gonio", mesh))
+
+
+def _camera(scene: Scene, geometry: Geometry) -> None:
+    import cycles.osl
+
+    camera = bpy.data.cameras.new("VGroove gonio")
+    camera.type, camera.custom_mode = "CUSTOM", "INTERNAL"
+    camera.custom_shader = text_block("gonio_camera")
+    if not camera.custom_bytecode:
+        cycles.osl.update_custom_camera_shader(camera, lambda *_: None)
+    custom = camera.cycles_custom
+    custom["resolution"] = (*map(float, geometry.resolution), 0.0)
+    custom["window"], custom["theta_i"] = float(geometry.window), float(geometry.theta_i)
+    item = bpy.data.objects.new("VGroove gonio", camera)
+    scene.collection.objects.link(item)
+    scene.camera = item
+
+
+def rendered(scene: Scene) -> NDArray[np.float32]:
+    """Linear RGB of the scene's render, (H, W, 3) float32, row 0 on top."""
+    with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
+        path = Path(folder) / "render.exr"
+        scene.render.filepath = str(path)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+        image = bpy.data.images.load(str(path))
+        image.colorspace_settings.name = "Non-Color"
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        width, height = image.size
+        bpy.data.images.remove(image)
+    return pixels.reshape(height, width, -1)[::-1, :, :3]

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the bpy wheel needs and a real Blender does not. Used by the command line and the tests, never the extension."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+def prepare() -> None:
+    """Put the wheel's own site-packages first: oslquery lies there, and the OpenImageIO that it was built with.
+
+    Must run before anything imports OpenImageIO; another build of it in the same process breaks script nodes.
+    """
+    found = importlib.util.find_spec("bpy")
+    if found is None or found.origin is None:
+        message = "the module bpy is not installed; install vgroove with Python 3.13 (Blender 5.2) or 3.11 (Blender 4.5)"
+        raise ImportError(message)
+    folder = next(Path(found.origin).parent.glob("*/python/lib/python*/site-packages"))
+    if str(folder) not in sys.path:
+        sys.path.insert(0, str(folder))
+    import bpy
+
+    bpy.context.preferences.filepaths.use_scripts_auto_execute = False
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep Blender's own lines ("Saved: ...") off standard output, down to the C level."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    with open(os.devnull, "w", encoding="utf-8") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        os.dup2(kept, 1)
+        os.close(kept)

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Preset + estimator + backend -> a Blender material that holds only the nodes which it needs."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import bpy
+
+from .. import nodegroups
+from ..nodegroups import cook_torrance_closure, cook_torrance_direct, cook_torrance_mirror, fresnel, lamp
+from . import lamps as lamp_binding
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bpy.types import Material, Node, Object, ShaderNodeTree
+
+    from .presets import Preset
+
+BACKENDS = ("nodes", "osl")
+ESTIMATORS = ("closure", "mirror", "direct")
+KEY = "vgroove"  # custom property on a material: what it was built from
+STATE = "vgroove_state"  # its inputs as built, to tell whether an artist changed them since
+
+
+class MaterialError(ValueError):
+    """Bad input in one line: what, where, how to mend it."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """How a preset becomes a material. ``lamps`` and ``shadows`` are for ``direct`` alone."""
+
+    backend: str = "nodes"
+    estimator: str = "closure"
+    lamps: tuple[Object, ...] = ()
+    shadows: bool = True
+
+    def __post_init__(self) -> None:
+        for what, value, known in (("backend", self.backend, BACKENDS), ("estimator", self.estimator, ESTIMATORS)):
+            if value not in known:
+                message = f'unknown {what} "{value}"; use one of {", ".join(known)}'
+                raise MaterialError(message)
+        if len(self.lamps) > lamp_binding.LIMIT:
+            message = f'"direct" binds at most {lamp_binding.LIMIT} lamps, got {len(self.lamps)}; bind the strongest'
+            raise MaterialError(message)
+        for one in self.lamps:
+            if refused := lamp_binding.refusal(one):
+                raise MaterialError(refused)
+
+
+def build(preset: Preset, choice: Choice) -> Material:
+    """The material of ``preset`` by ``choice``, with a user for this .blend's next save.
+
+    Idempotent: if this .blend holds one that was built the same way and not edited since, that one is returned.
+    An edited one is left alone and a new one is made beside it.
+    """
+    key = _key(preset, choice)
+    for material in bpy.data.materials:
+        if material.get(KEY) == key and material.get(STATE) == _state(material) and material.library is None:
+            return material
+    material = bpy.data.materials.new(preset.name)
+    if bpy.app.version < (5, 0, 0):  # 4.5 has no tree until use_nodes is set; 5.x warns when it is. Goes with 4.5 LTS.
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    node = _group_node(tree, _group(preset, choice), preset.name)
+    for name, value in preset.parameters.items():
+        _set(node, SOCKETS[name], max(value, 1e-4) if name == "m" else value)
+    if choice.estimator == "direct":
+        for index, one in enumerate(choice.lamps, 1):
+            _bind(tree, node, index, one, choice)
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    output.location = (300, 0)
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    material.use_fake_user = False
+    material.cycles.use_bump_map_correction = choice.estimator != "mirror"  # it would bend the sampled facets
+    material.cycles.emission_sampling = "NONE" if choice.estimator == "direct" else "AUTO"
+    material[KEY] = key
+    material[STATE] = _state(material)
+    return material
+
+
+SOCKETS = {"m": "Slope m", "f0": "F0", "eta": "IOR", "n": "n", "k": "k"}  # reference name -> group input
+
+
+def apply(material: Material, objects: Sequence[Object]) -> int:
+    """Give ``material`` to the active slot of each object that can have one; returns how many took it."""
+    count = 0
+    for item in objects:
+        if item.type not in {"MESH", "CURVE", "SURFACE", "META", "FONT", "POINTCLOUD", "CURVES", "VOLUME"}:
+            continue
+        if item.material_slots:
+            item.active_material = material
+        else:
+            item.data.materials.append(material)
+        count += 1
+    return count
+
+
+def _key(preset: Preset, choice: Choice) -> str:
+    bound = [[one.name, one.data.type] for one in choice.lamps] if choice.estimator == "direct" else []
+    shadows = choice.shadows and choice.estimator == "direct"
+    return json.dumps([preset.id, preset.parameters, choice.backend, choice.estimator, bound, shadows])
+
+
+def _state(material: Material) -> str:
+    """The inputs that artists can turn, and what is linked, as one comparable text."""
+    values = []
+    for node in sorted(material.node_tree.nodes, key=lambda node: node.name):
+        driven = node.label.startswith("Lamp")
+        for socket in node.inputs:
+            value = getattr(socket, "default_value", None)
+            plain = [round(float(part), 7) for part in value] if hasattr(value, "__len__") else value
+            values.append([node.name, socket.name, None if driven else plain, [link.from_node.name for link in socket.links]])
+    return json.dumps(values)
+
+
+def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
+    module = {"closure": cook_torrance_closure, "mirror": cook_torrance_mirror, "direct": cook_torrance_direct}[choice.estimator]
+    build_group = module.build if choice.backend == "nodes" else module.build_osl
+    arguments = {"kind": preset.fresnel}
+    name = f"{module.NAME} {fresnel.LABELS[preset.fresnel]}"
+    if choice.estimator == "direct":
+        arguments["lamps"] = len(choice.lamps)
+        name += f", {len(choice.lamps)} lamps"
+    return nodegroups.ensure(name + _suffix(choice), module.REVISION, partial(build_group, **arguments))
+
+
+def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Choice) -> None:
+    kind = one.data.type
+    traced = choice.shadows and one.data.use_shadow and (choice.backend == "osl" or lamp.can_cast_shadows())
+    make = lamp.build if choice.backend == "nodes" else lamp.build_osl
+    group = nodegroups.ensure(
+        lamp.name(kind, shadows=traced) + _suffix(choice), lamp.REVISION, partial(make, kind=kind, shadows=traced)
+    )
+    source = _group_node(tree, group, f"Lamp {index}: {one.name}")
+    source.location = (-300, -260 * (index - 1))
+    lamp_binding.bind(source, one)
+    tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
+    tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
+
+
+def _suffix(choice: Choice) -> str:
+    return " (OSL)" if choice.backend == "osl" else ""
+
+
+def _group_node(tree: ShaderNodeTree, group: ShaderNodeTree, label: str) -> Node:
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree, node.label, node.width = group, label, 220
+    return node
+
+
+def _set(node: Node, name: str, value: float | tuple[float, ...]) -> None:
+    socket = node.inputs[name]
+    socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value

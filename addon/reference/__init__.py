@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is true: the models in NumPy, float64, as their papers define them. Imports NumPy and nothing else.
+
+Directions are unit vectors away from the surface, in the local frame whose z axis is the normal: ``wi`` to the
+light, ``wo`` to the viewer, shape (..., 3). A BRDF value is f(wi, wo) in 1/sr, linear Rec.709 RGB, shape (..., 3),
+without the cosine.
+"""
+
+from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
+from .directions import reflect, spherical
+from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
+from .fresnel import Conductor, Dielectric, Fresnel, Schlick, fresnel_conductor, fresnel_dielectric, schlick
+from .model import Model, albedo
+from .oren_nayar import Lambert, OrenNayar, oren_nayar
+from .sum import Sum
+
+__all__ = [
+    "Conductor",
+    "CookTorrance",
+    "Dielectric",
+    "Fresnel",
+    "Lambert",
+    "Model",
+    "OrenNayar",
+    "Schlick",
+    "Smooth",
+    "Sum",
+    "albedo",
+    "beckmann_d",
+    "cook_torrance",
+    "fresnel_conductor",
+    "fresnel_dielectric",
+    "oren_nayar",
+    "reflect",
+    "schlick",
+    "smith_g",
+    "spherical",
+    "vgroove_g",
+    "vgroove_g1",
+    "visible_facet",
+]

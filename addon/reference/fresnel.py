@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""F: the reflectance of one smooth facet, for unpolarised light. ``cos`` is v.h, a facet's angle, never n.v.
+
+Shapes: ``cos`` is (...). A parameter that ends in 3 is a colour and adds a channel axis, (...) -> (..., 3); a
+parameter of any other shape broadcasts against ``cos``.
+
+Sources:
+    Cook & Torrance 1982, doi:10.1145/357290.357293 (the dielectric form in g and c)
+    Born & Wolf, Principles of Optics, 7th ed., sections 1.5.2 and 14.2
+    Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering, CGF 13(3), eq. 15
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from .directions import as_finite, as_positive, as_range, as_rgb
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .directions import Floats
+
+INDEX_RANGE = (1e-50, 1e50)  # squares of an index stay inside float64
+
+
+def schlick(cos: ArrayLike, f0: ArrayLike) -> Floats:
+    """Schlick's approximation F = F0 + (1 - F0) (1 - cos)^5.
+
+    cos: v.h, clipped to [0, 1]. f0: reflectance head-on, in [0, 1], scalar or RGB. Raises ValueError outside.
+    Source: Schlick 1994, eq. 15.
+
+    >>> schlick(0.0, [0.95, 0.64, 0.54]).tolist()
+    [1.0, 1.0, 1.0]
+    """
+    cos, f0 = _with_channels(as_cosine(cos), as_range(f0, "f0", 0.0, 1.0))
+    return f0 + (1.0 - f0) * (1.0 - cos) ** 5
+
+
+def fresnel_dielectric(cos: ArrayLike, eta: ArrayLike) -> Floats:
+    """Exact reflectance of a transparent medium; 1 in total internal reflection.
+
+    With c = cos and g^2 = eta^2 + c^2 - 1:
+    F = 1/2 ((g - c) / (g + c))^2 (1 + ((c (g + c) - 1) / (c (g - c) + 1))^2)
+
+    cos: v.h, clipped to [0, 1]. eta: transmitted over incident index, > 0, scalar or RGB. Raises ValueError outside.
+    Source: Cook & Torrance 1982 (their eq. for F with k = 0); Born & Wolf 1.5.2.
+
+    >>> round(float(fresnel_dielectric(1.0, 1.5)), 15)
+    0.04
+    """
+    c, eta = _with_channels(as_cosine(cos), as_positive(eta, "eta", *INDEX_RANGE))
+    beyond = (eta - 1.0) * (eta + 1.0)  # eta^2 - 1, to the last digit also next to eta = 1
+    g2 = _square_plus(c, beyond)
+    g = np.sqrt(np.maximum(g2, 0.0))
+    g_minus_c = beyond / np.where(g + c > 0, g + c, 1.0)  # g - c itself would cancel
+    s = g_minus_c / np.where(g + c > 0, g + c, 1.0)
+    p = (c * (g + c) - 1.0) / (c * g_minus_c + 1.0)
+    F = 0.5 * s**2 * (1.0 + p**2)
+    grazing = (c == 0) & (beyond != 0)  # 0/0 of the form above when eta is next to 1; the limit is 1
+    return np.where((g2 <= 0) & (beyond < 0) | grazing, 1.0, np.minimum(F, 1.0))
+
+
+def fresnel_conductor(cos: ArrayLike, n: ArrayLike, k: ArrayLike) -> Floats:
+    """Exact reflectance of an absorbing medium of index n + ik, seen from vacuum.
+
+    With N = n + ik and g^2 = N^2 - sin^2: r_s = (c - g) / (c + g), r_p = (N^2 c - g) / (N^2 c + g),
+    F = (|r_s|^2 + |r_p|^2) / 2
+
+    cos: v.h, clipped to [0, 1]. n >= 0, k >= 0 (not both 0), scalar or RGB. Raises ValueError outside.
+    Source: Born & Wolf 14.2 with 1.5.2 (complex index in the dielectric formulas).
+
+    >>> round(float(fresnel_conductor(1.0, 1.5, 0.0)), 15)
+    0.04
+    """
+    n, k = np.broadcast_arrays(as_range(n, "n", 0.0, 1e50), as_range(k, "k", 0.0, 1e50))
+    if ((n == 0) & (k == 0)).any():
+        message = "n and k must not both be 0 (no medium has that index), got n = 0, k = 0"
+        raise ValueError(message)
+    colour = n.ndim > 0 and n.shape[-1] == 3
+    c = as_cosine(cos)[..., None] if colour else as_cosine(cos)
+    n2 = (n - k) * (n + k) + 2j * n * k
+    # N^2 - 1 by factors keeps its digits next to N = 1: n^2 - 1 - k^2 = (n - 1)(n + 1) - k^2
+    beyond = (n - 1.0) * (n + 1.0) - k * k + 2j * n * k
+    g = np.sqrt(_square_plus(c, beyond.real) + 1j * beyond.imag)
+    # c - g and N^2 c - g cancel next to N = 1; multiplied out with c + g and N^2 c + g they are products.
+    sum_s, sum_p = c + g, n2 * c + g
+    sin2 = (1.0 - c) * (1.0 + c)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        r_s = beyond / sum_s / sum_s
+        r_p = beyond / sum_p * ((n2 * c * c - sin2) / sum_p)
+    F = 0.5 * (np.abs(r_s) ** 2 + np.abs(r_p) ** 2)
+    F = np.where((c == 0) & (beyond != 0), 1.0, F)  # grazing: both sums may be 0
+    return np.where(beyond == 0, 0.0, np.minimum(F, 1.0))
+
+
+class Fresnel(Protocol):
+    """What a model asks of F: reflectance for v.h of shape (...), as RGB (..., 3)."""
+
+    def __call__(self, cos: ArrayLike) -> Floats:
+        """Reflectance (..., 3) at cos = v.h, shape (...)."""
+        ...
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """The cosines at which F is not smooth, for quadrature."""
+        ...
+
+
+@dataclass(frozen=True)
+class Schlick:
+    """F by Schlick 1994 from the reflectance head-on, ``f0`` in [0, 1], one number or linear RGB."""
+
+    f0: ArrayLike
+
+    def __post_init__(self) -> None:
+        as_rgb(self.f0, "f0", 0.0, 1.0)
+
+    def __call__(self, cos: ArrayLike) -> Floats:
+        return _as_rgb_reflectance(schlick, cos, self.f0)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        return ()
+
+
+@dataclass(frozen=True)
+class Dielectric:
+    """Exact F of a transparent medium, ``eta`` > 0 transmitted over incident index, one number or one a channel."""
+
+    eta: ArrayLike
+
+    def __post_init__(self) -> None:
+        as_rgb(as_positive(self.eta, "eta", *INDEX_RANGE), "eta", *INDEX_RANGE)
+
+    def __call__(self, cos: ArrayLike) -> Floats:
+        return _as_rgb_reflectance(fresnel_dielectric, cos, self.eta)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        return _critical_cosines(np.asarray(self.eta, dtype=np.float64), np.float64(0.0))
+
+
+@dataclass(frozen=True)
+class Conductor:
+    """Exact F of an absorbing medium, complex index n + ik, ``n``, ``k`` >= 0, one number or one a channel."""
+
+    n: ArrayLike
+    k: ArrayLike
+
+    def __post_init__(self) -> None:
+        as_rgb(self.n, "n", 0.0, 1e50)
+        as_rgb(self.k, "k", 0.0, 1e50)
+        fresnel_conductor(1.0, self.n, self.k)
+
+    def __call__(self, cos: ArrayLike) -> Floats:
+        return _as_rgb_reflectance(fresnel_conductor, cos, self.n, self.k)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        return _critical_cosines(np.asarray(self.n, dtype=np.float64), np.asarray(self.k, dtype=np.float64))
+
+
+def as_cosine(cos: ArrayLike) -> Floats:
+    """v.h clipped to [0, 1]; rounding can lift it above 1. ValueError beyond what rounding explains."""
+    return np.clip(as_range(cos, "cos", -1.0 - 1e-6, 1.0 + 1e-6), 0.0, 1.0)
+
+
+def _with_channels(cos: Floats, parameter: Floats) -> tuple[Floats, Floats]:
+    colour = parameter.ndim > 0 and parameter.shape[-1] == 3
+    return (cos[..., None] if colour else cos), parameter
+
+
+def _as_rgb_reflectance(formula, cos: ArrayLike, *parameters: ArrayLike) -> Floats:  # noqa: ANN001
+    as_colours = [np.broadcast_to(p, (*np.shape(p)[:-1], 3)) if np.ndim(p) else np.full(3, p) for p in parameters]
+    return formula(as_finite(cos, "cos"), *as_colours)
+
+
+def _critical_cosines(n: Floats, k: Floats) -> tuple[float, ...]:
+    """Where F bends sharply: at sin^2 = Re N^2 (total internal reflection sets in, or nearly does for k > 0).
+
+    Next to N = 1 all of F happens within a few sqrt(|N^2 - 1|) of grazing, so a ladder of cosines covers that.
+    """
+    beyond = np.ravel((n - 1.0) * (n + 1.0) - k * k)
+    critical = np.sqrt(-beyond[(beyond < 0) & (beyond > -1)])
+    scale = np.sqrt(np.hypot(beyond, 2.0 * np.ravel(n * k)))
+    near_one = np.outer(scale[(scale > 0) & (scale < 0.3)], [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0]).ravel()
+    return tuple(sorted({float(value) for value in (*critical, *near_one) if value < 1.0}))
+
+
+def _square_plus(c: Floats, b: Floats) -> Floats:
+    """c^2 + b with the rounding of c^2 carried along: next to the critical angle the two nearly cancel.
+
+    Dekker's product (Numer. Math. 18, 1971): c = high + low, each of 26 bits, so that the error of c * c is exact.
+    """
+    square = c * c
+    split = 134217729.0 * c  # 2^27 + 1
+    high = split - (split - c)
+    low = c - high
+    error = ((high * high - square) + 2.0 * high * low) + low * low
+    return (square + b) + error

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Oren-Nayar: V-grooves whose facets are Lambertian, and Lambert itself.
+
+Source: Oren & Nayar 1994, Generalization of Lambert's Reflectance Model, SIGGRAPH, doi:10.1145/192161.192213
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import quadrature
+from .cook_torrance import as_samples
+from .directions import above, as_directions, as_pair, as_range, as_rgb, dot
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .directions import Floats
+
+
+def oren_nayar(
+    wi: ArrayLike, wo: ArrayLike, albedo: ArrayLike, sigma: ArrayLike, *, qualitative: bool = False
+) -> Floats:
+    """The BRDF of a rough diffuse surface, in 1/sr, RGB.
+
+    With a = max(theta_i, theta_o), b = min(theta_i, theta_o), p = phi_i - phi_o and s2 = sigma^2:
+    f = albedo/pi [C1 + cos p C2 tan b + (1 - |cos p|) C3 tan((a + b)/2)]
+        + 0.17 albedo^2/pi s2/(s2 + 0.13) [1 - cos p (2b/pi)^2]
+    C1 = 1 - 0.5 s2/(s2 + 0.33)
+    C2 = 0.45 s2/(s2 + 0.09) (sin a - (0 if cos p >= 0 else (2b/pi)^3))
+    C3 = 0.125 s2/(s2 + 0.09) (4ab/pi^2)^2
+    Qualitative: f = albedo/pi [C1 + max(0, cos p) 0.45 s2/(s2 + 0.09) sin a tan b]
+
+    wi, wo: unit vectors (..., 3), broadcast. albedo: in [0, 1], scalar or RGB. sigma: standard deviation of the
+    facet angle in radians, [0, pi/2]. Returns float64 (..., 3); 0 unless both directions leave the upper side.
+    Raises ValueError outside these ranges.
+    Source: Oren & Nayar 1994, eqs. 27 to 30 (full and qualitative).
+    """
+    wi, wo = as_pair(wi, wo)
+    rho = as_rgb(albedo, "albedo", 0.0, 1.0)
+    s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))
+    lit = above(wi, wo)
+    alpha, beta, cos_p = _angles(np.where(lit[..., None], wi, [0, 0, 1]), np.where(lit[..., None], wo, [0, 0, 1]))
+    C1 = 1.0 - 0.5 * s2 / (s2 + 0.33)
+    slope = 0.45 * s2 / (s2 + 0.09)
+    if qualitative:
+        shape = C1 + np.maximum(cos_p, 0.0) * slope * np.sin(alpha) * np.tan(beta)
+        return rho / np.pi * np.where(lit, shape, 0.0)[..., None]
+    C2 = slope * (np.sin(alpha) - np.where(cos_p >= 0, 0.0, (2.0 * beta / np.pi) ** 3))
+    C3 = 0.125 * s2 / (s2 + 0.09) * (4.0 * alpha * beta / np.pi**2) ** 2
+    once = C1 + cos_p * C2 * np.tan(beta) + (1.0 - np.abs(cos_p)) * C3 * np.tan((alpha + beta) / 2.0)
+    twice = 0.17 * s2 / (s2 + 0.13) * (1.0 - cos_p * (2.0 * beta / np.pi) ** 2)
+    once, twice = np.where(lit, once, 0.0)[..., None], np.where(lit, twice, 0.0)[..., None]
+    return rho / np.pi * (once + rho * twice)
+
+
+def _angles(wi: Floats, wo: Floats) -> tuple[Floats, Floats, Floats]:
+    """Larger and smaller polar angle, and the cosine between the azimuths."""
+    sin_i, sin_o = np.hypot(wi[..., 0], wi[..., 1]), np.hypot(wo[..., 0], wo[..., 1])
+    theta_i, theta_o = np.arctan2(sin_i, wi[..., 2]), np.arctan2(sin_o, wo[..., 2])
+    # Along the normal the azimuth is undefined; b is 0 there and every factor of cos p vanishes with it.
+    defined = (sin_i > 0) & (sin_o > 0)
+    unit_i = wi[..., :2] / np.where(defined, sin_i, 1.0)[..., None]
+    unit_o = wo[..., :2] / np.where(defined, sin_o, 1.0)[..., None]
+    cos_p = np.where(defined, np.clip(dot(unit_i, unit_o), -1.0, 1.0), 0.0)
+    return np.maximum(theta_i, theta_o), np.minimum(theta_i, theta_o), cos_p
+
+
+class _Diffuse:
+    """``sample``, ``pdf`` and quadrature of the diffuse models: wi by the cosine, pdf = cos / pi."""
+
+    def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
+        raise NotImplementedError
+
+    def sample(self, wo: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
+        """Draw wi by the cosine; u (..., 4), of which two are used. Weight f cos / pdf = pi f, (..., 3).
+
+        Source: Malley's method, a uniform disc projected up.
+        """
+        wo, u = as_samples(wo, u)
+        radius, phi = np.sqrt(u[..., 1]), 2.0 * np.pi * u[..., 2]
+        wi = np.stack([radius * np.cos(phi), radius * np.sin(phi), np.sqrt(1.0 - u[..., 1])], axis=-1)
+        return wi, np.pi * self.evaluate(wi, wo)
+
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
+        """cos / pi in 1/sr, (...); 0 below the surface."""
+        wi, wo = as_pair(wi, wo)
+        return np.where(above(wi, wo), wi[..., 2] / np.pi, 0.0)
+
+    def directional_albedo(self, wo: ArrayLike) -> Floats:
+        """Directional albedo, (..., 3): integral of f cos over wi, by quadrature."""
+        return quadrature.diffuse_albedo(wo, self.evaluate)
+
+
+@dataclass(frozen=True)
+class OrenNayar(_Diffuse):
+    """Rough diffuse; ``albedo`` in [0, 1], ``sigma`` in radians, ``qualitative`` for the short A + B form."""
+
+    albedo: ArrayLike
+    sigma: ArrayLike
+    qualitative: bool = False
+
+    def __post_init__(self) -> None:
+        as_rgb(self.albedo, "albedo", 0.0, 1.0)
+        as_range(self.sigma, "sigma", 0.0, np.pi / 2)
+
+    def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
+        """f(wi, wo) in 1/sr, (..., 3); see ``oren_nayar``."""
+        return oren_nayar(wi, wo, self.albedo, self.sigma, qualitative=self.qualitative)
+
+
+@dataclass(frozen=True)
+class Lambert(_Diffuse):
+    """f = albedo / pi, ``albedo`` in [0, 1], one number or linear RGB."""
+
+    albedo: ArrayLike
+
+    def __post_init__(self) -> None:
+        as_rgb(self.albedo, "albedo", 0.0, 1.0)
+
+    def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
+        """albedo / pi in 1/sr, (..., 3); 0 unless both directions leave the upper side."""
+        lit = above(*as_pair(wi, wo))
+        return np.asarray(self.albedo, dtype=np.float64) / np.pi * lit[..., None] * np.ones(3)
+
+    def directional_albedo(self, wo: ArrayLike) -> Floats:
+        """``albedo`` itself, (..., 3); 0 below the surface."""
+        wo = as_directions(wo, "wo")
+        return np.asarray(self.albedo, dtype=np.float64) * (wo[..., 2:] > 0) * np.ones(3)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directional albedo by Gauss-Legendre panels whose edges lie on the kinks of the integrand.
+
+Source of the substitution to facet slopes: Walter et al. 2007, eqs. 14 and 25 (dh = cos^3 dp dq, D cos^4 is Gaussian
+in the slopes p, q).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .directions import TANGENT, as_directions, as_positive
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import ArrayLike
+
+    from .directions import Floats
+    from .fresnel import Fresnel
+
+NODES = 16
+REACH = 7.0  # slopes beyond 7 m carry exp(-49) of the facets
+LADDER = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0])  # features of F and of reflection have slopes of order 1
+SPREAD = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.5])  # the Gaussian's own scale, in units of m
+
+
+@cache
+def gauss_legendre(nodes: int) -> tuple[Floats, Floats]:
+    """Points and weights on [0, 1] after the substitution 3 s^2 - 2 s^3.
+
+    It flattens square-root behaviour at both ends, as critical angles and vanishing panels bring.
+    """
+    x, weight = np.polynomial.legendre.leggauss(nodes)
+    s = 0.5 * (x + 1.0)
+    return s * s * (3.0 - 2.0 * s), 0.5 * weight * 6.0 * s * (1.0 - s)
+
+
+def panels(edges: Floats, nodes: int) -> tuple[Floats, Floats]:
+    """Points and weights (..., panels * nodes) of all panels between sorted ``edges`` (..., panels + 1)."""
+    x, weight = gauss_legendre(nodes)
+    width = np.diff(edges, axis=-1)[..., None]
+    points = edges[..., :-1, None] + width * x
+    flat = (*edges.shape[:-1], -1)
+    return points.reshape(flat), (width * weight).reshape(flat)
+
+
+def per_direction(wo: ArrayLike, one: Callable[[float, int], Floats]) -> Floats:
+    """``one(cos(theta_o), index)`` -> RGB for each direction of ``wo`` (..., 3); 0 on and below the horizon."""
+    wo = as_directions(wo, "wo")
+    flat = wo.reshape(-1, 3)
+    result = np.zeros_like(flat)
+    for index, cosine in enumerate(flat[:, 2]):
+        if cosine > TANGENT:
+            result[index] = one(float(np.minimum(cosine, 1.0)), index)
+    return result.reshape(wo.shape)
+
+
+def vgroove_albedo(wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, nodes: int = NODES) -> Floats:
+    """Directional albedo of Cook-Torrance, RGB (..., 3).
+
+    With slopes p (in the plane of view) and q, A = v_x p + v_z = (v.h)/(n.h) and the Gaussian P of slopes:
+    E = 1/v_z  integral of  P(p, q) A F(v.h) G dp dq,
+    G = min(1, 2 v_z/A, 4/(1 + p^2 + q^2) - 2 v_z/A)+, the last being 2 (n.h)(n.l)/(v.h).
+    """
+    wo = as_directions(wo, "wo")
+    slopes = np.broadcast_to(as_positive(m, "m"), wo.shape[:-1]).ravel()
+    return per_direction(wo, lambda cosine, index: _vgroove_albedo(cosine, float(slopes[index]), fresnel, nodes))
+
+
+def _vgroove_albedo(vz: float, m: float, fresnel: Fresnel, nodes: int) -> Floats:
+    vx = np.sqrt((1.0 - vz) * (1.0 + vz))
+    p, p_weight = panels(_outer_edges(vx, vz, m, fresnel.kinks), nodes)
+    if p.size == 0:
+        return np.zeros(3)
+    A = vx * p + vz
+    q, q_weight = panels(_inner_edges(p, A, vz, m, fresnel.kinks), nodes)
+    p, A = p[:, None], A[:, None]
+    length2 = 1.0 + p * p + q * q
+    G = np.maximum(np.minimum(np.minimum(1.0, 2.0 * vz / A), 4.0 / length2 - 2.0 * vz / A), 0.0)
+    P = np.exp(-np.square(p / m) - np.square(q / m)) / (np.pi * m * m)
+    F = fresnel(np.minimum(A / np.sqrt(length2), 1.0))
+    integrand = (P * (A / vz) * G)[..., None] * F
+    return 2.0 * np.einsum("pqc,pq,p->c", integrand, q_weight, p_weight)  # q < 0 mirrors q > 0
+
+
+def _outer_edges(vx: float, vz: float, m: float, kinks: Sequence[float]) -> Floats:
+    """Panel edges in p: where lines and circles of the inner kinks begin, end or cross q = 0."""
+    t = vx / vz
+    far = t + np.sqrt(t * t + 1.0)
+    low, high = max(-1.0 / far, -REACH * m), min(far, REACH * m)  # beyond, light leaves below the surface
+    scales = np.concatenate([LADDER, SPREAD * m])
+    edges = [low, high, 0.0, t, *scales, *-scales]
+    edges += [root.real for root in np.roots([t, 3.0, -3.0 * t, -1.0]) if abs(root.imag) < 1e-9]
+    if t > 0:
+        edges += [1.0 / t, *((LADDER - 1.0) / t), *((np.logspace(-8, -3, 6) - 1.0) / t)]
+    for kink in kinks:
+        edges += [root.real for root in np.roots([vx * vx - kink * kink, 2 * vx * vz, vz * vz - kink * kink])]
+        if t > 0:  # where the kink's circle meets those of the horizon and of shadowing
+            meets = np.array([2.0 * kink**2 / vz, np.sqrt(vz * vz + 4.0 * kink**2) - vz, kink**2 / vz])
+            edges += [*((meets - vz) / vx)]
+    return np.unique(np.clip(edges, low, high))
+
+
+def _inner_edges(p: Floats, A: Floats, vz: float, m: float, kinks: Sequence[float]) -> Floats:
+    """Panel edges in q for each p, up to where light leaves below the surface."""
+
+    def circle(length2: Floats) -> Floats:
+        return np.sqrt(np.maximum(length2 - 1.0 - p * p, 0.0))
+
+    end = np.minimum(circle(2.0 * A / vz), REACH * m)
+    shadow = circle(4.0 / (np.minimum(1.0, 2.0 * vz / A) + 2.0 * vz / A))
+    fixed = np.concatenate([[0.0], LADDER, SPREAD * m])
+    edges = [np.broadcast_to(edge, p.shape) for edge in fixed]
+    edges += [shadow, end, *(circle(np.square(A / kink)) for kink in kinks)]
+    return np.sort(np.minimum(np.stack(edges, axis=-1), end[:, None]), axis=-1)
+
+
+def diffuse_albedo(wo: ArrayLike, evaluate: Callable[[Floats, Floats], Floats], nodes: int = 32) -> Floats:
+    """Integral of f cos over wi for an isotropic f with kinks at theta_i = theta_o and at 90 degrees of azimuth."""
+
+    def one(cosine: float, _index: int) -> Floats:
+        theta_o = np.arccos(cosine)
+        theta, theta_weight = panels(np.unique([0.0, theta_o, np.pi / 2]), nodes)
+        phi, phi_weight = panels(np.array([0.0, np.pi / 2, np.pi]), nodes)
+        sin, cos = np.sin(theta)[:, None], np.cos(theta)[:, None]
+        wi = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), cos), axis=-1)
+        f = evaluate(wi, np.array([np.sin(theta_o), 0.0, cosine]))
+        return 2.0 * np.einsum("tpc,t,p->c", f, theta_weight * np.cos(theta) * np.sin(theta), phi_weight)
+
+    return per_direction(wo, one)

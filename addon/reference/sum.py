@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A diffuse and a specular part side by side.
+
+Source: Cook & Torrance 1982, R = d R_d + s R_s with d + s = 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .cook_torrance import Smooth, as_samples
+from .directions import as_range
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .directions import Floats
+    from .model import Model
+
+
+@dataclass(frozen=True)
+class Sum:
+    """f = d f_diffuse + s f_specular, with weights ``d``, ``s`` in [0, 1] and d + s <= 1."""
+
+    diffuse: Model
+    specular: Model
+    d: float
+    s: float
+
+    def __post_init__(self) -> None:
+        d, s = as_range(self.d, "d", 0.0, 1.0), as_range(self.s, "s", 0.0, 1.0)
+        if d + s > 1.0 + 1e-12:
+            message = f"d + s must be at most 1 (more light would leave than arrives), got {d:g} + {s:g}"
+            raise ValueError(message)
+
+    def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
+        """f(wi, wo) in 1/sr, (..., 3)."""
+        return self.d * self.diffuse.evaluate(wi, wo) + self.s * self.specular.evaluate(wi, wo)
+
+    def sample(self, wo: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
+        """Draw from one lobe, chosen by u[..., 0] in proportion to d and s.
+
+        Returns wi and weight = f cos / pdf of the mixture; a ``Smooth`` lobe's delta is weighted alone, by s F over
+        its probability. wo (..., 3), u (..., 4) in [0, 1).
+        """
+        wo, u = as_samples(wo, u)
+        share = self._specular_share()
+        specular = (u[..., 0] < share)[..., None]
+        wi_s, weight_s = self.specular.sample(wo, u)
+        wi_d, _ = self.diffuse.sample(wo, u)
+        wi = np.where(specular, wi_s, wi_d)
+        density = self.pdf(wi, wo)
+        cosine = np.maximum(wi[..., 2], 0.0)
+        weight = self.evaluate(wi, wo) * (cosine / np.where(density > 0, density, 1.0))[..., None]
+        if isinstance(self.specular, Smooth):
+            weight = np.where(specular, weight_s * (self.s / max(share, 1e-300)), weight)
+        return wi, weight
+
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
+        """Density of ``sample`` in 1/sr, (...), without a ``Smooth`` lobe's delta."""
+        share = self._specular_share()
+        return share * self.specular.pdf(wi, wo) + (1.0 - share) * self.diffuse.pdf(wi, wo)
+
+    def directional_albedo(self, wo: ArrayLike) -> Floats:
+        """Directional albedo, (..., 3): the weighted sum of both parts'."""
+        return self.d * self.diffuse.directional_albedo(wo) + self.s * self.specular.directional_albedo(wo)
+
+    def _specular_share(self) -> float:
+        total = self.d + self.s
+        return float(self.s / total) if total > 0 else 0.0

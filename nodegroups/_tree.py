@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A small builder through which node groups read like the equations they hold.
+
+Sockets are wrapped in ``Value``; arithmetic on values adds Math or Vector Math nodes. Only nodes that Blender 4.5
+and 5.2 share are used here. Comparisons are functions, because an overloaded ``==`` breaks ``in`` and sets.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from math import e
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import bpy
+
+Number = "Value | float | int"
+COLUMN_WIDTH, ROW_HEIGHT = 190, 170
+
+
+class Value:
+    """A socket that carries a number (``is_vector`` false) or three (vector and colour alike)."""
+
+    __array_ufunc__ = None  # NumPy numbers must not try to spread over a socket
+
+    def __init__(self, tree: Tree, socket: bpy.types.NodeSocket) -> None:
+        self.tree, self.socket = tree, socket
+        self.is_vector = socket.type in {"VECTOR", "RGBA"}
+
+    def __add__(self, other: Number) -> Value:
+        return self.tree.math("ADD", self, other)
+
+    def __radd__(self, other: Number) -> Value:
+        return self.tree.math("ADD", other, self)
+
+    def __sub__(self, other: Number) -> Value:
+        return self.tree.math("SUBTRACT", self, other)
+
+    def __rsub__(self, other: Number) -> Value:
+        return self.tree.math("SUBTRACT", other, self)
+
+    def __mul__(self, other: Number) -> Value:
+        return self.tree.math("MULTIPLY", self, other)
+
+    def __rmul__(self, other: Number) -> Value:
+        return self.tree.math("MULTIPLY", other, self)
+
+    def __truediv__(self, other: Number) -> Value:
+        return self.tree.math("DIVIDE", self, other)
+
+    def __rtruediv__(self, other: Number) -> Value:
+        return self.tree.math("DIVIDE", other, self)
+
+    def __neg__(self) -> Value:
+        return self * -1.0
+
+    def __pow__(self, exponent: int) -> Value:
+        """Whole powers by products, so that no logarithm rounds them."""
+        if exponent == 1:
+            return self
+        half = self ** (exponent // 2)
+        return half * half * self if exponent % 2 else half * half
+
+    @property
+    def xyz(self) -> tuple[Value, Value, Value]:
+        """The three components."""
+        x, y, z = self.tree.node("ShaderNodeSeparateXYZ", self).outputs
+        return Value(self.tree, x), Value(self.tree, y), Value(self.tree, z)
+
+
+class Tree:
+    """A node group under construction."""
+
+    def __init__(self, node_tree: bpy.types.ShaderNodeTree) -> None:
+        self.node_tree = node_tree
+        self._frame: bpy.types.Node | None = None
+        self._panel: bpy.types.NodeTreeInterfacePanel | None = None
+        self._cached: dict[str, bpy.types.Node] = {}
+        self._input = node_tree.nodes.new("NodeGroupInput")
+        self._output = node_tree.nodes.new("NodeGroupOutput")
+
+    # Interface
+
+    def input_float(
+        self, name: str, default: float, *, low: float, high: float, tip: str, subtype: str = "NONE"
+    ) -> Value:
+        item = self._socket(name, "INPUT", "NodeSocketFloat", tip)
+        item.subtype = subtype
+        item.min_value, item.max_value, item.default_value = low, high, default
+        return self._from_input()
+
+    def input_color(self, name: str, default: tuple[float, float, float], *, tip: str) -> Value:
+        item = self._socket(name, "INPUT", "NodeSocketColor", tip)
+        item.default_value = (*default, 1.0)
+        return self._from_input()
+
+    def input_vector(
+        self, name: str, default: tuple[float, float, float] = (0, 0, 0), *, low: float = -1e30, high: float = 1e30,
+        tip: str, hide_value: bool = False,
+    ) -> Value:  # fmt: skip
+        item = self._socket(name, "INPUT", "NodeSocketVector", tip)
+        item.min_value, item.max_value, item.default_value, item.hide_value = low, high, default, hide_value
+        return self._from_input()
+
+    def output_float(self, name: str, value: Number, *, tip: str) -> None:
+        self._to_output(name, "NodeSocketFloat", value, tip)
+
+    def output_color(self, name: str, value: Number, *, tip: str) -> None:
+        self._to_output(name, "NodeSocketColor", value, tip)
+
+    def output_vector(self, name: str, value: Number, *, tip: str) -> None:
+        self._to_output(name, "NodeSocketVector", value, tip)
+
+    def output_shader(self, name: str, socket: bpy.types.NodeSocket, *, tip: str) -> None:
+        self._socket(name, "OUTPUT", "NodeSocketShader", tip)
+        self.node_tree.links.new(socket, self._output.inputs[-2])
+
+    @contextmanager
+    def panel(self, name: str) -> Iterator[None]:
+        """Inputs made inside are shown under a fold-out panel of the group node."""
+        self._panel = self.node_tree.interface.new_panel(name)
+        yield
+        self._panel = None
+
+    def _socket(self, name: str, in_out: str, socket_type: str, tip: str) -> bpy.types.NodeTreeInterfaceSocket:
+        return self.node_tree.interface.new_socket(
+            name, in_out=in_out, socket_type=socket_type, description=tip, parent=self._panel
+        )
+
+    def _from_input(self) -> Value:
+        return Value(self, self._input.outputs[-2])  # the last socket is Blender's empty extension socket
+
+    def _to_output(self, name: str, socket_type: str, value: Number, tip: str) -> None:
+        self._socket(name, "OUTPUT", socket_type, tip)
+        self.connect(value, self._output.inputs[-2])
+
+    # Nodes
+
+    @contextmanager
+    def frame(self, label: str) -> Iterator[None]:
+        """Nodes made inside are drawn in one labelled frame, titled by the term of the equation they hold."""
+        self._frame = self.node_tree.nodes.new("NodeFrame")
+        self._frame.label = label
+        yield
+        self._frame = None
+
+    def node(self, kind: str, *inputs: Number, **settings: object) -> bpy.types.Node:
+        """A new node with its properties set and its leading inputs connected."""
+        node = self.node_tree.nodes.new(kind)
+        node.parent = self._frame
+        for name, value in settings.items():
+            setattr(node, name, value)
+        for value, socket in zip(inputs, node.inputs, strict=False):
+            self.connect(value, socket)
+        return node
+
+    def group(self, node_tree: bpy.types.ShaderNodeTree, **inputs: Number) -> bpy.types.Node:
+        """A nested node group with inputs connected by name ('_' for a blank)."""
+        node = self.node("ShaderNodeGroup", node_tree=node_tree, label=node_tree.name)
+        for name, value in inputs.items():
+            self.connect(value, node.inputs[name.replace("_", " ")])
+        return node
+
+    def connect(self, value: Number, socket: bpy.types.NodeSocket) -> None:
+        if isinstance(value, Value):
+            self.node_tree.links.new(value.socket, socket)
+        elif socket.type == "VECTOR" and not isinstance(value, tuple):
+            socket.default_value = (value, value, value)
+        elif socket.type == "RGBA":
+            socket.default_value = (*value, 1.0) if isinstance(value, tuple) else (value, value, value, 1.0)
+        else:
+            socket.default_value = value
+
+    def math(self, operation: str, *operands: Number) -> Value:
+        """One Math node, or one Vector Math node where an operand is a vector (numbers then count thrice)."""
+        vector = any(isinstance(operand, tuple) or getattr(operand, "is_vector", False) for operand in operands)
+        kind = "ShaderNodeVectorMath" if vector else "ShaderNodeMath"
+        return Value(self, self.node(kind, *operands, operation=operation).outputs[0])
+
+    def geometry(self, name: str) -> Value:
+        """An output of the Geometry node: Position, Normal, Incoming ..."""
+        if "geometry" not in self._cached:
+            frame, self._frame = self._frame, None
+            self._cached["geometry"] = self.node("ShaderNodeNewGeometry")
+            self._frame = frame
+        return Value(self, self._cached["geometry"].outputs[name])
+
+    def arrange(self) -> None:
+        """Place nodes in columns by how much stands before them, so that the group reads from left to right."""
+        depth: dict[bpy.types.Node, int] = {}
+
+        def depth_of(node: bpy.types.Node) -> int:
+            if node not in depth:
+                before = [link.from_node for socket in node.inputs for link in socket.links]
+                depth[node] = 1 + max((depth_of(other) for other in before), default=-1)
+            return depth[node]
+
+        nodes = [node for node in self.node_tree.nodes if node.bl_idname != "NodeFrame"]
+        for node in nodes:
+            depth_of(node)
+        depth[self._output] = max(depth.values()) + 1
+        frames = [None, *(node for node in self.node_tree.nodes if node.bl_idname == "NodeFrame")]
+        top = 0.0
+        for frame in frames:  # one band of rows for each frame
+            rows: dict[int, int] = {}
+            members = [node for node in nodes if node.parent == frame]
+            for node in members:
+                column = depth[node]
+                node.location = (column * COLUMN_WIDTH, top - rows.get(column, 0) * ROW_HEIGHT)
+                rows[column] = rows.get(column, 0) + 1
+            top -= max(rows.values(), default=0) * ROW_HEIGHT + 80
+
+
+def minimum(a: Value, b: Number) -> Value:
+    return a.tree.math("MINIMUM", a, b)
+
+
+def maximum(a: Value, b: Number) -> Value:
+    return a.tree.math("MAXIMUM", a, b)
+
+
+def clamp(a: Value) -> Value:
+    """``a`` held within 0..1."""
+    return minimum(maximum(a, 0.0), 1.0)
+
+
+def less(a: Value, b: Number) -> Value:
+    """1 where a < b, else 0."""
+    return a.tree.math("LESS_THAN", a, b)
+
+
+def select(condition: Value, yes: Number, no: Number) -> Value:
+    """``yes`` where the condition is 1, ``no`` where it is 0. Both must be finite."""
+    tree = condition.tree
+    vector = any(isinstance(v, tuple) or getattr(v, "is_vector", False) for v in (yes, no))
+    data_type = "VECTOR" if vector else "FLOAT"
+    node = tree.node("ShaderNodeMix", condition, data_type=data_type, clamp_factor=True)
+    a, b = (next(item for item in node.inputs if item.enabled and item.name == name) for name in "AB")
+    tree.connect(no, a)
+    tree.connect(yes, b)
+    return Value(tree, next(item for item in node.outputs if item.enabled))
+
+
+def _scalar(operation: str, a: Value, *more: float) -> Value:
+    """A scalar function; of a vector, of each component."""
+    if a.is_vector:
+        return vector(*(a.tree.math(operation, component, *more) for component in a.xyz))
+    return a.tree.math(operation, a, *more)
+
+
+def sqrt(a: Value) -> Value:
+    """Square root, 0 below 0."""
+    return _scalar("SQRT", a)
+
+
+def exp(a: Value) -> Value:
+    return _scalar("EXPONENT", a)
+
+
+def log(a: Value) -> Value:
+    """Natural logarithm, 0 for a <= 0."""
+    return _scalar("LOGARITHM", a, e)
+
+
+def sin(a: Value) -> Value:
+    return a.tree.math("SINE", a)
+
+
+def cos(a: Value) -> Value:
+    return a.tree.math("COSINE", a)
+
+
+def absolute(a: Value) -> Value:
+    return a.tree.math("ABSOLUTE", a)
+
+
+def vector(x: Number, y: Number, z: Number) -> Value:
+    tree = next(v.tree for v in (x, y, z) if isinstance(v, Value))
+    return Value(tree, tree.node("ShaderNodeCombineXYZ", x, y, z).outputs[0])
+
+
+def dot(a: Value, b: Number) -> Value:
+    return Value(a.tree, a.tree.node("ShaderNodeVectorMath", a, b, operation="DOT_PRODUCT").outputs["Value"])
+
+
+def cross(a: Value, b: Number) -> Value:
+    return a.tree.math("CROSS_PRODUCT", a, b)
+
+
+def scale(a: Value, factor: Value) -> Value:
+    """Vector times number."""
+    node = a.tree.node("ShaderNodeVectorMath", a, operation="SCALE")
+    a.tree.connect(factor, node.inputs["Scale"])
+    return Value(a.tree, node.outputs[0])
+
+
+def normalize(a: Value) -> Value:
+    return a.tree.math("NORMALIZE", a)
+
+
+def length(a: Value) -> Value:
+    return Value(a.tree, a.tree.node("ShaderNodeVectorMath", a, operation="LENGTH").outputs["Value"])

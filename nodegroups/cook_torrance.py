@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all Cook-Torrance groups share: the artist's inputs, and the equations' dot products."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from . import fresnel, osl_script, shading_normal
+from ._tree import Tree, Value
+
+if TYPE_CHECKING:
+    from bpy.types import Node
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The artist's inputs: Fresnel parameters by reference name, RMS slope, and the normal as linked (or not)."""
+
+    fresnel: dict[str, Value]
+    m: Value
+    normal: Value
+
+
+def interface(tree: Tree, kind: str, *, m_high: float) -> Inputs:
+    """F0, or IOR, or n and k; Slope m; Normal. The same for every estimator and backend."""
+    parameters = fresnel.interface(tree, kind)
+    m = tree.input_float(
+        "Slope m", 0.3, low=1e-4, high=m_high, tip="RMS slope of the facets; Blender's Roughness is its square root"
+    )
+    return Inputs(parameters, m, shading_normal.interface(tree))
+
+
+def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Value) -> Node:
+    """The OSL shader ``cook_torrance_ESTIMATOR`` fed by these inputs."""
+    return osl_script.script(
+        tree,
+        f"cook_torrance_{estimator}",
+        kind=list(fresnel.KINDS).index(kind),
+        m=inputs.m,
+        Normal=inputs.normal,
+        **inputs.fresnel,
+        **more,
+    )

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Estimator ``mirror``: a facet is drawn for each sample as the V-groove shows it, then reflects like a mirror.
+
+Unbiased: the weight F G2 / G1 is what is left of the BRDF once the facet's density is divided out.
+Source: Heitz & d'Eon 2014, V-cavity model; ``visible_facet`` and ``CookTorrance.sample`` of the reference.
+"""
+
+from math import pi
+
+from . import cook_torrance, fresnel
+from ._tree import Tree, clamp, cos, cross, dot, less, log, maximum, minimum, normalize, scale, select, sin, sqrt, vector
+from .random_numbers import random_numbers
+from .shading_normal import shading_normal
+
+NAME = "VGroove Cook-Torrance Mirror"
+REVISION = 1
+STREAM = 1
+
+
+def build(tree: Tree, kind: str) -> None:
+    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    N = shading_normal(tree, inputs.normal)
+    wo = tree.geometry("Incoming")
+    u1, u2, u3 = random_numbers(tree, STREAM)
+    with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
+        axis = select(less(N.xyz[2] ** 2, 0.8), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+        T = normalize(cross(N, axis))
+        B = cross(N, T)
+        tan = inputs.m * sqrt(-log(maximum(1.0 - u1, 1e-7)))  # u1 may round to 1
+        phi = 2.0 * pi * u2
+        lean = scale(T, tan * cos(phi)) + scale(B, tan * sin(phi))
+        h, dual = normalize(N + lean), normalize(N - lean)
+    with tree.frame("The side that the view sees"):
+        seen, dual_seen = maximum(dot(wo, h), 0.0), maximum(dot(wo, dual), 0.0)
+        h = select(less(u3 * (seen + dual_seen), seen), h, dual)
+    with tree.frame("Weight F G2 / G1"):
+        vh = clamp(dot(wo, h))
+        wi = scale(h, 2.0 * vh) - wo
+        nh, no, ni = dot(N, h), maximum(dot(N, wo), 0.0), maximum(dot(N, wi), 0.0)
+        G1 = minimum(2.0 * nh * no / vh, 1.0)
+        G2 = minimum(2.0 * nh * ni / vh, G1)
+        share = G2 / G1
+        F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
+        weight = F * vector(share, share, share) if F.is_vector else F * share
+    facet = tree.node("ShaderNodeBsdfAnisotropic", weight, 0.0, distribution="BECKMANN")
+    tree.connect(h, facet.inputs["Normal"])
+    tree.output_shader("BSDF", facet.outputs["BSDF"], tip="To the material's Surface")
+
+
+def build_osl(tree: Tree, kind: str) -> None:
+    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    node = cook_torrance.script(tree, "mirror", kind, inputs)
+    tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The three kinds of Fresnel term, by name, for the groups that hold one."""
+
+from . import ensure, fresnel_conductor, fresnel_dielectric, schlick
+from ._tree import Tree, Value
+
+KINDS = {"schlick": schlick, "dielectric": fresnel_dielectric, "conductor": fresnel_conductor}
+LABELS = {"schlick": "Schlick", "dielectric": "Dielectric", "conductor": "Conductor"}
+
+
+def interface(tree: Tree, kind: str) -> dict[str, Value]:
+    """The inputs of Fresnel ``kind``: F0, or IOR, or n and k."""
+    return KINDS[kind].interface(tree)
+
+
+def reflectance(tree: Tree, kind: str, parameters: dict[str, Value], cosine: Value) -> Value:
+    """F at ``cosine`` through the nested group of ``kind``."""
+    module = KINDS[kind]
+    node = tree.group(ensure(module.NAME, module.REVISION, module.build))
+    for value, socket in zip([*parameters.values(), cosine], node.inputs, strict=True):
+        tree.connect(value, socket)
+    return Value(tree, node.outputs["F"])

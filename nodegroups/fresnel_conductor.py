@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exact Fresnel reflectance of an absorbing medium, per colour channel, as ``fresnel_conductor`` of the reference.
+
+Nodes have no complex numbers: with a the real part of g, A = |g|^2, the square roots are written out.
+"""
+
+from ._tree import Tree, Value, clamp, sqrt, vector
+
+NAME = "VGroove Fresnel Conductor"
+REVISION = 1
+
+
+def interface(tree: Tree) -> dict[str, Value]:
+    """The artist's inputs, by the reference's parameter names."""
+    return {
+        "n": tree.input_vector("n", (0.27, 0.68, 1.32), low=0.0, high=20.0, tip="Refractive index for R, G and B"),
+        "k": tree.input_vector("k", (3.61, 2.62, 2.29), low=0.0, high=20.0, tip="Extinction for R, G and B"),
+    }
+
+
+def build(tree: Tree) -> None:
+    n, k = interface(tree).values()
+    cosine = clamp(tree.input_float("Cosine", 1.0, low=0.0, high=1.0, tip="wo . h, view against half vector"))
+    with tree.frame("g^2 = (n + ik)^2 - sin^2; A = |g|^2, a = Re g"):
+        c = vector(cosine, cosine, cosine)
+        c2 = c * c
+        s2 = 1.0 - c2
+        real = (n - k) * (n + k) - s2
+        nk = n * k
+        A = sqrt(real * real + 4.0 * nk * nk)
+        ac = sqrt(0.5 * (A + real)) * c
+    with tree.frame("r_s^2, r_p^2 (Born & Wolf 14.2)"):
+        rs = (A + c2 - 2.0 * ac) / (A + c2 + 2.0 * ac)
+        Ac2, s4, acs2 = A * c2, s2 * s2, 2.0 * ac * s2
+        rp = rs * (Ac2 + s4 - acs2) / (Ac2 + s4 + acs2)
+    tree.output_color("F", 0.5 * (rs + rp), tip="Fresnel reflectance")

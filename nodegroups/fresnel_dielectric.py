@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exact Fresnel reflectance of a transparent medium, as ``fresnel_dielectric`` of the reference."""
+
+from ._tree import Tree, Value, clamp, sqrt
+
+NAME = "VGroove Fresnel Dielectric"
+REVISION = 1
+
+
+def interface(tree: Tree) -> dict[str, Value]:
+    """The artist's inputs, by the reference's parameter names."""
+    return {"eta": tree.input_float("IOR", 1.5, low=0.1, high=10.0, tip="Refractive index, inside over outside")}
+
+
+def build(tree: Tree) -> None:
+    eta = interface(tree)["eta"]
+    c = clamp(tree.input_float("Cosine", 1.0, low=0.0, high=1.0, tip="wo . h, view against half vector"))
+    with tree.frame("g^2 = eta^2 + c^2 - 1 (0 in total reflection, which gives F = 1)"):
+        beyond = (eta - 1.0) * (eta + 1.0)
+        g = sqrt(c * c + beyond)
+    with tree.frame("Cook & Torrance 1982: F = 1/2 s^2 (1 + p^2)"):
+        s = (g - c) / (g + c)
+        p = (c * (g + c) - 1.0) / (c * (g - c) + 1.0)
+        f = 0.5 * s * s * (1.0 + p * p)
+    tree.output_float("F", f, tip="Fresnel reflectance")

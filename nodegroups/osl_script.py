@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""OSL shaders inside node groups: the group carries what Script nodes ignore (ranges, tooltips, panels).
+
+The text travels in the .blend, with headers written into it: text made in memory cannot include local files. The
+compiled bytecode is kept in the node, so a saved file renders where the extension is not installed.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ._tree import Number, Tree, Value
+
+if TYPE_CHECKING:
+    from bpy.types import Node, NodeSocket, Text
+
+
+class OslError(RuntimeError):
+    """This Blender cannot compile OSL, in one line that says what to do."""
+
+
+FOLDER = Path(__file__).parent.parent / "osl"
+
+
+def source(shader: str) -> str:
+    """Text of ``osl/SHADER.osl`` with our own headers in place of their #include lines."""
+    text = (FOLDER / f"{shader}.osl").read_text(encoding="utf-8")
+    return re.sub(r'#include "(vgroove\.h)"', lambda found: (FOLDER / "include" / found[1]).read_text(encoding="utf-8"), text)
+
+
+def text_block(shader: str) -> Text:
+    """The shader as a text datablock; one a .blend, replaced when the source has changed."""
+    name, content = f"vgroove {shader}.osl", source(shader)
+    for text in bpy.data.texts:
+        if text.name.split(".osl")[0] == f"vgroove {shader}" and text.as_string() == content:
+            return text
+    text = bpy.data.texts.new(name)
+    text.from_string(content)
+    text.cursor_set(0)
+    return text
+
+
+def script(tree: Tree, shader: str, **parameters: Number) -> Node:
+    """A Script node that runs ``shader`` with its parameters connected.
+
+    Raises OslError if the shader does not compile (this Blender was built without OSL).
+    """
+    node = tree.node("ShaderNodeScript", mode="INTERNAL", label=shader)
+    node.script = text_block(shader)
+    _compile(node, shader)
+    for name, value in parameters.items():
+        tree.connect(value, socket(node, name))
+    return node
+
+
+def _compile(node: Node, shader: str) -> None:
+    """Bytecode and sockets, by the Cycles add-on that comes with Blender."""
+    lines: list[str] = []
+    try:
+        from cycles.osl import update_script_node
+
+        done = update_script_node(node, lambda _kind, line: lines.append(line))
+    except ImportError as error:  # oslquery is only in builds with OSL
+        done = False
+        lines.append(str(error))
+    if not done:
+        message = f"{shader}.osl does not compile in this Blender; choose the backend \"nodes\" ({'; '.join(lines)})"
+        raise OslError(message)
+
+
+def socket(node: Node, parameter: str) -> NodeSocket:
+    """The input of a Script node for a shader parameter: its identifier, whatever its label says."""
+    return next(item for item in node.inputs if item.identifier == parameter)
+
+
+def output(tree: Tree, node: Node, parameter: str) -> Value:
+    """An output of a Script node by parameter name."""
+    return Value(tree, next(item for item in node.outputs if item.identifier == parameter))

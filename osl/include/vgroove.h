@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// D, G and F as in addon/reference; shared by the shaders, and written into their text when a material is made.
+
+// Walter et al. 2007, eq. 25
+float beckmann_d(vector h, normal n, float m)
+{
+    float nh = dot(n, h);
+    if (nh < 1e-4) return 0;  // exp(-1e8 / m^2) is 0
+    vector tangential = h - nh * n;  // sin^2 by components: 1 - nh * nh cancels in float32
+    float nh2 = nh * nh;
+    return exp(-dot(tangential, tangential) / (nh2 * m * m)) / (M_PI * m * m * nh2 * nh2);
+}
+
+// Cook & Torrance 1982
+float vgroove_g(float nh, float nv, float nl, float vh)
+{
+    return min(1, 2 * nh * min(nv, nl) / vh);
+}
+
+// Schlick 1994, eq. 15
+color schlick(float cosine, color f0)
+{
+    float x = 1 - clamp(cosine, 0, 1), x2 = x * x;
+    return f0 + (1 - f0) * (x2 * x2 * x);
+}
+
+// Cook & Torrance 1982; g = 0 in total internal reflection, which gives 1
+float fresnel_dielectric(float cosine, float eta)
+{
+    float c = clamp(cosine, 0, 1);
+    float g = sqrt(max(0, c * c + (eta - 1) * (eta + 1)));
+    float s = (g - c) / (g + c);
+    float p = (c * (g + c) - 1) / (c * (g - c) + 1);
+    return 0.5 * s * s * (1 + p * p);
+}
+
+// Born & Wolf 14.2; A = |g|^2 and a = Re g of g^2 = (n + ik)^2 - sin^2
+color fresnel_conductor(float cosine, color n, color k)
+{
+    float c = clamp(cosine, 0, 1), c2 = c * c, s2 = 1 - c2;
+    color real = (n - k) * (n + k) - s2;
+    color A = sqrt(real * real + 4 * n * n * k * k);
+    color ac = sqrt(max(0.5 * (A + real), color(0))) * c;
+    color rs = (A + c2 - 2 * ac) / (A + c2 + 2 * ac);
+    color rp = rs * (A * c2 + s2 * s2 - 2 * ac * s2) / (A * c2 + s2 * s2 + 2 * ac * s2);
+    return 0.5 * (rs + rp);
+}
+
+// kind: 0 Schlick (f0), 1 dielectric (eta), 2 conductor (n, k); constant, so the compiler keeps one branch
+color fresnel(int kind, float cosine, color f0, float eta, color n, color k)
+{
+    if (kind == 0) return schlick(cosine, f0);
+    if (kind == 1) return color(fresnel_dielectric(cosine, eta));
+    return fresnel_conductor(cosine, n, k);
+}
+
+// The surface's own normal where none is linked: an unlinked group input reads (0, 0, 0)
+normal shading_normal(normal given)
+{
+    return dot(given, given) < 1e-12 ? N : normalize(given);
+}
