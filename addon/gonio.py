@@ -116,7 +116,7 @@ def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: 
         cycles.device, cycles.shading_system = "CPU", shading_osl
         cycles.samples, cycles.seed = samples, seed
         cycles.use_denoising = cycles.use_adaptive_sampling = False
-        cycles.pixel_filter_type, cycles.filter_width = "BOX", 0.01
+        cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01
         cycles.blur_glossy = cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
         cycles.light_sampling_threshold = 0.0
         scene.world = bpy.data.worlds.new("VGroove gonio")
@@ -187,3 +187,47 @@ def rendered(scene: Scene) -> NDArray[np.float32]:
         width, height = image.size
         bpy.data.images.remove(image)
     return pixels.reshape(height, width, -1)[::-1, :, :3]
+
+
+def measure_sphere(
+    preset: Preset, backend: str, estimator: str, theta_i: float, *, size: int = 128, shading_osl: bool = False
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Radiance f cos(theta_i) of a sphere lit by a sun of strength 1, and the exact normal of each pixel.
+
+    Needs no OSL: one point of a point cloud, traced as a perfect sphere under an orthographic camera, has the normal
+    (x, y, sqrt(1 - x^2 - y^2)) at pixel (x, y). Returns (H, W, 3) twice; normals are NaN beside the sphere.
+    """
+    with stage((size, size), samples=1, seed=0, shading_osl=shading_osl) as scene:
+        geometry = Geometry(theta_i)
+        (lamp,) = light(scene, geometry)
+        lamp.data.energy = 1.0
+        bound = (lamp,) if estimator == "direct" else ()
+        _sphere(scene, build(preset, Choice(backend, estimator, bound, shadows=False)))
+        camera = bpy.data.cameras.new("VGroove gonio")
+        camera.type, camera.ortho_scale = "ORTHO", 2.0
+        item = bpy.data.objects.new("VGroove gonio", camera)
+        item.location = (0.0, 0.0, 3.0)
+        scene.collection.objects.link(item)
+        scene.camera = item
+        radiance = rendered(scene)
+    x, y = np.meshgrid((np.arange(size) + 0.5) / size * 2 - 1, 1 - (np.arange(size) + 0.5) / size * 2)
+    inside = x * x + y * y < 1
+    z = np.sqrt(np.where(inside, 1 - x * x - y * y, np.nan))
+    return radiance, np.stack([x, y, z], axis=-1)
+
+
+def _sphere(scene: Scene, material: Material) -> None:
+    mesh = bpy.data.meshes.new("VGroove gonio")
+    mesh.from_pydata([(0, 0, 0)], [], [])
+    item = bpy.data.objects.new("VGroove gonio", mesh)
+    scene.collection.objects.link(item)
+    group = bpy.data.node_groups.new("VGroove gonio", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    points, assign, output = (
+        group.nodes.new(kind) for kind in ("GeometryNodePoints", "GeometryNodeSetMaterial", "NodeGroupOutput")
+    )
+    points.inputs["Count"].default_value, points.inputs["Radius"].default_value = 1, 1.0
+    assign.inputs["Material"].default_value = material
+    group.links.new(points.outputs[0], assign.inputs[0])
+    group.links.new(assign.outputs[0], output.inputs[0])
+    item.modifiers.new("VGroove gonio", "NODES").node_group = group

@@ -33,7 +33,11 @@ class MaterialError(ValueError):
 
 @dataclass(frozen=True)
 class Choice:
-    """How a preset becomes a material. ``lamps`` and ``shadows`` are for ``direct`` alone."""
+    """How a preset becomes a material.
+
+    lamps: those that are evaluated by the formula: all of ``direct``, and beside ``mirror`` those of zero size, which
+    no ray can hit. shadows: whether these lamps cast any.
+    """
 
     backend: str = "nodes"
     estimator: str = "closure"
@@ -45,6 +49,9 @@ class Choice:
             if value not in known:
                 message = f'unknown {what} "{value}"; use one of {", ".join(known)}'
                 raise MaterialError(message)
+        if self.lamps and self.estimator == "closure":
+            message = '"closure" sees every lamp by itself; leave lamps empty'
+            raise MaterialError(message)
         if len(self.lamps) > lamp_binding.LIMIT:
             message = f'"direct" binds at most {lamp_binding.LIMIT} lamps, got {len(self.lamps)}; bind the strongest'
             raise MaterialError(message)
@@ -71,15 +78,14 @@ def build(preset: Preset, choice: Choice) -> Material:
     node = _group_node(tree, _group(preset, choice), preset.name)
     for name, value in preset.parameters.items():
         _set(node, SOCKETS[name], max(value, 1e-4) if name == "m" else value)
-    if choice.estimator == "direct":
-        for index, one in enumerate(choice.lamps, 1):
-            _bind(tree, node, index, one, choice)
+    for index, one in enumerate(choice.lamps, 1):
+        _bind(tree, node, index, one, choice)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     output.location = (300, 0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     material.use_fake_user = False
     material.cycles.use_bump_map_correction = choice.estimator != "mirror"  # it would bend the sampled facets
-    material.cycles.emission_sampling = "NONE" if choice.estimator == "direct" else "AUTO"
+    material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
     material[KEY] = key
     material[STATE] = _state(material)
     return material
@@ -103,9 +109,8 @@ def apply(material: Material, objects: Sequence[Object]) -> int:
 
 
 def _key(preset: Preset, choice: Choice) -> str:
-    bound = [[one.name, one.data.type] for one in choice.lamps] if choice.estimator == "direct" else []
-    shadows = choice.shadows and choice.estimator == "direct"
-    return json.dumps([preset.id, preset.parameters, choice.backend, choice.estimator, bound, shadows])
+    bound = [[one.name, one.data.type, choice.shadows and one.data.use_shadow] for one in choice.lamps]
+    return json.dumps([preset.id, preset.parameters, choice.backend, choice.estimator, bound])
 
 
 def _state(material: Material) -> str:
@@ -125,8 +130,9 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
     build_group = module.build if choice.backend == "nodes" else module.build_osl
     arguments = {"kind": preset.fresnel}
     name = f"{module.NAME} {fresnel.LABELS[preset.fresnel]}"
-    if choice.estimator == "direct":
+    if choice.estimator != "closure":
         arguments["lamps"] = len(choice.lamps)
+    if choice.lamps:
         name += f", {len(choice.lamps)} lamps"
     return nodegroups.ensure(name + _suffix(choice), module.REVISION, partial(build_group, **arguments))
 

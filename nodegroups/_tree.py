@@ -33,6 +33,8 @@ class Value:
         return self.tree.math("ADD", self, other)
 
     def __radd__(self, other: Number) -> Value:
+        if isinstance(other, int) and other == 0:  # where sum() starts
+            return self
         return self.tree.math("ADD", other, self)
 
     def __sub__(self, other: Number) -> Value:
@@ -178,6 +180,18 @@ class Tree:
         vector = any(isinstance(operand, tuple) or getattr(operand, "is_vector", False) for operand in operands)
         kind = "ShaderNodeVectorMath" if vector else "ShaderNodeMath"
         return Value(self, self.node(kind, *operands, operation=operation).outputs[0])
+
+    def add_shaders(self, sockets: list[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+        """All closures added up; an empty sum is an emission of nothing."""
+        if not sockets:
+            return self.node("ShaderNodeEmission", (0.0, 0.0, 0.0)).outputs[0]
+        total = sockets[0]
+        for socket in sockets[1:]:
+            both = self.node("ShaderNodeAddShader")
+            self.node_tree.links.new(total, both.inputs[0])
+            self.node_tree.links.new(socket, both.inputs[1])
+            total = both.outputs[0]
+        return total
 
     def geometry(self, name: str) -> Value:
         """An output of the Geometry node: Position, Normal, Incoming ..."""

@@ -3,11 +3,18 @@
 
 import bpy
 
-from . import cook_torrance
-from ._tree import Tree, sqrt
+from . import cook_torrance, fresnel
+from ._tree import Tree, Value, sqrt
 
 NAME = "VGroove Cook-Torrance Closure"
 REVISION = 1
+EXACT_CONDUCTOR = (5, 2, 0)  # earlier Physical Conductors approximate: up to 0.8 % of the peak, half of it at k = 0
+F82_COSINE = 1.0 / 7.0  # where Blender's F82 Tint holds
+
+
+def has_exact_conductor() -> bool:
+    """Whether this Blender's Metallic BSDF evaluates the conductor's Fresnel term exactly."""
+    return bpy.app.version >= EXACT_CONDUCTOR
 
 
 def build(tree: Tree, kind: str) -> None:
@@ -16,18 +23,30 @@ def build(tree: Tree, kind: str) -> None:
     tree.connect(sqrt(inputs.m), metallic.inputs["Roughness"])
     tree.connect(inputs.normal, metallic.inputs["Normal"])
     if kind == "schlick":
-        metallic.fresnel_type = "F82"  # with a white edge tint it is Schlick's formula
-        tree.connect(inputs.fresnel["f0"], metallic.inputs["Base Color"])
-        tree.connect((1.0, 1.0, 1.0), metallic.inputs["Edge Tint"])
+        _f82(tree, metallic, inputs.fresnel["f0"], (1.0, 1.0, 1.0))  # with a white edge F82 is Schlick's formula
+    elif kind == "dielectric" and not has_exact_conductor():
+        _f82(tree, metallic, *_f82_of_dielectric(tree, inputs.fresnel["eta"]))
     else:
         metallic.fresnel_type = "PHYSICAL_CONDUCTOR"
-        if kind == "conductor":
-            tree.connect(inputs.fresnel["n"], metallic.inputs["IOR"])
-            tree.connect(inputs.fresnel["k"], metallic.inputs["Extinction"])
-        else:
-            tree.connect(inputs.fresnel["eta"], metallic.inputs["IOR"])
-            tree.connect((0.0, 0.0, 0.0), metallic.inputs["Extinction"])
+        index = inputs.fresnel["n"] if kind == "conductor" else inputs.fresnel["eta"]
+        tree.connect(index, metallic.inputs["IOR"])
+        tree.connect(inputs.fresnel.get("k", (0.0, 0.0, 0.0)), metallic.inputs["Extinction"])
     tree.output_shader("BSDF", metallic.outputs["BSDF"], tip="To the material's Surface")
+
+
+def _f82(tree: Tree, metallic: bpy.types.Node, f0: Value, tint: Value | tuple[float, ...]) -> None:
+    metallic.fresnel_type = "F82"
+    tree.connect(f0, metallic.inputs["Base Color"])
+    tree.connect(tint, metallic.inputs["Edge Tint"])
+
+
+def _f82_of_dielectric(tree: Tree, eta: Value) -> tuple[Value, Value]:
+    """Base colour and edge tint that make F82 exact head-on, at 82 degrees and grazing."""
+    with tree.frame("F82 fitted to the exact dielectric"):
+        f0 = ((eta - 1.0) / (eta + 1.0)) ** 2
+        grazing = (1.0 - F82_COSINE) ** 5
+        tint = fresnel.reflectance(tree, "dielectric", {"eta": eta}, F82_COSINE) / (f0 + (1.0 - f0) * grazing)
+    return f0, tint
 
 
 def build_osl(tree: Tree, kind: str) -> None:

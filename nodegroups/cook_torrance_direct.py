@@ -4,9 +4,16 @@
 Radiance of one lamp: f cos(theta_i) E = F D G / (4 (n.v)) E, E the irradiance across the beam; n.l cancels.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from . import beckmann_d, cook_torrance, ensure, fresnel, vgroove_g
 from ._tree import Tree, Value, dot, length, less, maximum, normalize
 from .shading_normal import shading_normal
+
+if TYPE_CHECKING:
+    from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Direct"
 REVISION = 1
@@ -14,23 +21,43 @@ REVISION = 1
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=10.0)
-    beams = [beam_interface(tree, index) for index in range(1, lamps + 1)]
+    beams = beam_interfaces(tree, lamps)
+    tree.output_shader("Emission", emission(tree, kind, inputs, beams), tip="To the material's Surface")
+
+
+def build_osl(tree: Tree, kind: str, lamps: int) -> None:
+    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    beams = beam_interfaces(tree, lamps)
+    tree.output_shader("Emission", emission_osl(tree, kind, inputs, beams), tip="To the material's Surface")
+
+
+Beams = list[tuple[Value, Value]]
+
+
+def beam_interfaces(tree: Tree, lamps: int) -> Beams:
+    """Sockets for each lamp that take what its group (``lamp.py``) gives: direction to it and its irradiance."""
+    beams = []
+    for index in range(1, lamps + 1):
+        with tree.panel(f"Lamp {index}"):
+            wi = tree.input_vector(f"To Lamp {index}", (0, 0, 1), hide_value=True, tip="From the lamp's group")
+            tip = "From the lamp's group, in W/m^2 across the beam"
+            beams.append((wi, tree.input_color(f"Irradiance {index}", (0, 0, 0), tip=tip)))
+    return beams
+
+
+def emission(tree: Tree, kind: str, inputs: cook_torrance.Inputs, beams: Beams) -> NodeSocket:
+    """The radiance of all lamps, as an emission closure of plain nodes."""
     N = shading_normal(tree, inputs.normal)
-    radiance = None
-    for wi, irradiance in beams:
-        one = _radiance(tree, kind, inputs, N, wi, irradiance)
-        radiance = one if radiance is None else radiance + one
-    emission = tree.node("ShaderNodeEmission")
-    tree.connect((0.0, 0.0, 0.0) if radiance is None else radiance, emission.inputs["Color"])
-    tree.output_shader("Emission", emission.outputs["Emission"], tip="To the material's Surface")
+    radiance = sum(_radiance(tree, kind, inputs, N, wi, irradiance) for wi, irradiance in beams)
+    return tree.node("ShaderNodeEmission", radiance if beams else (0.0, 0.0, 0.0)).outputs["Emission"]
 
 
-def beam_interface(tree: Tree, index: int) -> tuple[Value, Value]:
-    """Sockets that take what a lamp group (``lamp.py``) gives: direction to the lamp and its irradiance."""
-    with tree.panel(f"Lamp {index}"):
-        wi = tree.input_vector(f"To Lamp {index}", (0, 0, 1), hide_value=True, tip="From the lamp's group")
-        irradiance = tree.input_color(f"Irradiance {index}", (0, 0, 0), tip="From the lamp's group, in W/m^2 across the beam")
-    return wi, irradiance
+def emission_osl(tree: Tree, kind: str, inputs: cook_torrance.Inputs, beams: Beams) -> NodeSocket:
+    """The same from one script a lamp."""
+    scripts = [
+        cook_torrance.script(tree, "direct", kind, inputs, ToLamp=wi, Irradiance=irradiance) for wi, irradiance in beams
+    ]
+    return tree.add_shaders([node.outputs[0] for node in scripts])
 
 
 def _radiance(
@@ -51,16 +78,3 @@ def _radiance(
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
         dg = Value(tree, D.outputs["D"]) * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7)) * lit
     return irradiance * F * dg
-
-
-def build_osl(tree: Tree, kind: str, lamps: int) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
-    beams = [beam_interface(tree, index) for index in range(1, lamps + 1)]
-    total = tree.node("ShaderNodeEmission", (0.0, 0.0, 0.0)).outputs[0]
-    for wi, irradiance in beams:
-        node = cook_torrance.script(tree, "direct", kind, inputs, ToLamp=wi, Irradiance=irradiance)
-        both = tree.node("ShaderNodeAddShader")
-        tree.node_tree.links.new(total, both.inputs[0])
-        tree.node_tree.links.new(node.outputs[0], both.inputs[1])
-        total = both.outputs[0]
-    tree.output_shader("Emission", total, tip="To the material's Surface")

@@ -5,20 +5,43 @@ Unbiased: the weight F G2 / G1 is what is left of the BRDF once the facet's dens
 Source: Heitz & d'Eon 2014, V-cavity model; ``visible_facet`` and ``CookTorrance.sample`` of the reference.
 """
 
+from __future__ import annotations
+
 from math import pi
+from typing import TYPE_CHECKING
 
 from . import cook_torrance, fresnel
+from . import cook_torrance_direct as direct
 from ._tree import Tree, clamp, cos, cross, dot, less, log, maximum, minimum, normalize, scale, select, sin, sqrt, vector
 from .random_numbers import random_numbers
 from .shading_normal import shading_normal
+
+if TYPE_CHECKING:
+    from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Mirror"
 REVISION = 1
 STREAM = 1
 
 
-def build(tree: Tree, kind: str) -> None:
+def build(tree: Tree, kind: str, lamps: int = 0) -> None:
+    """With ``lamps``: those of zero size, which no ray can hit, are added by ``direct``; no light counts twice."""
     inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    beams = direct.beam_interfaces(tree, lamps)
+    shaders = [facet(tree, kind, inputs)] + ([direct.emission(tree, kind, inputs, beams)] if beams else [])
+    tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
+
+
+def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
+    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    beams = direct.beam_interfaces(tree, lamps)
+    shaders = [cook_torrance.script(tree, "mirror", kind, inputs).outputs[0]]
+    shaders += [direct.emission_osl(tree, kind, inputs, beams)] if beams else []
+    tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
+
+
+def facet(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
+    """A mirror about a random facet, weighted by what the facet's density leaves of the BRDF."""
     N = shading_normal(tree, inputs.normal)
     wo = tree.geometry("Incoming")
     u1, u2, u3 = random_numbers(tree, STREAM)
@@ -42,12 +65,6 @@ def build(tree: Tree, kind: str) -> None:
         share = G2 / G1
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
         weight = F * vector(share, share, share) if F.is_vector else F * share
-    facet = tree.node("ShaderNodeBsdfAnisotropic", weight, 0.0, distribution="BECKMANN")
-    tree.connect(h, facet.inputs["Normal"])
-    tree.output_shader("BSDF", facet.outputs["BSDF"], tip="To the material's Surface")
-
-
-def build_osl(tree: Tree, kind: str) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
-    node = cook_torrance.script(tree, "mirror", kind, inputs)
-    tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")
+    mirror = tree.node("ShaderNodeBsdfAnisotropic", weight, 0.0, distribution="BECKMANN")
+    tree.connect(h, mirror.inputs["Normal"])
+    return mirror.outputs["BSDF"]

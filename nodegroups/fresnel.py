@@ -13,7 +13,7 @@ def interface(tree: Tree, kind: str) -> dict[str, Value]:
     return KINDS[kind].interface(tree)
 
 
-def reflectance(tree: Tree, kind: str, parameters: dict[str, Value], cosine: Value) -> Value:
+def reflectance(tree: Tree, kind: str, parameters: dict[str, Value], cosine: Value | float) -> Value:
     """F at ``cosine`` through the nested group of ``kind``."""
     module = KINDS[kind]
     node = tree.group(ensure(module.NAME, module.REVISION, module.build))

@@ -142,5 +142,9 @@ def as_samples(wo: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
     if u.ndim == 0 or u.shape[-1] != 4:
         message = f"u must have shape (..., 4), got {u.shape}"
         raise ValueError(message)
-    shape = np.broadcast_shapes(wo.shape[:-1], u.shape[:-1])
+    try:
+        shape = np.broadcast_shapes(wo.shape[:-1], u.shape[:-1])
+    except ValueError as error:
+        message = f"wo and u must broadcast, got shapes {wo.shape} and {u.shape}"
+        raise ValueError(message) from error
     return np.broadcast_to(wo, (*shape, 3)), np.broadcast_to(u, (*shape, 4))

@@ -25,10 +25,14 @@ ROUNDING = 1e-15
 def as_finite(values: ArrayLike, name: str) -> Floats:
     """``values`` as float64; ValueError names the argument and the first value that is no finite number."""
     try:
-        array = np.asarray(values, dtype=np.float64)
+        raw = np.asarray(values)
     except (TypeError, ValueError) as error:
         message = f"{name} must be numbers, got {values!r}"
         raise ValueError(message) from error
+    if raw.dtype.kind not in "biuf":  # a conversion would read "0.5" as 0.5, None as NaN, and drop imaginary parts
+        message = f"{name} must be numbers, got {values!r}"
+        raise ValueError(message)
+    array = raw.astype(np.float64, copy=False)
     if not np.isfinite(array).all():
         message = f"{name} must be finite, got {array[~np.isfinite(array)].flat[0]}"
         raise ValueError(message)
@@ -40,7 +44,7 @@ def as_range(values: ArrayLike, name: str, low: float, high: float) -> Floats:
     array = as_finite(values, name)
     outside = (array < low) | (array > high)
     if outside.any():
-        message = f"{name} must be between {low:g} and {high:g}, got {array[outside].flat[0]:g}"
+        message = f"{name} must be between {low:.15g} and {high:.15g}, got {array[outside].flat[0]:.15g}"
         raise ValueError(message)
     return array
 
@@ -66,7 +70,8 @@ def as_directions(values: ArrayLike, name: str) -> Floats:
     length = norm(array)
     off = np.abs(length - 1.0)
     if (off > UNIT_TOLERANCE).any():
-        message = f"{name} must have length 1 to within {UNIT_TOLERANCE:g}, got length {length[off > UNIT_TOLERANCE].flat[0]:.9g}"
+        wrong = length[off > UNIT_TOLERANCE].flat[0]
+        message = f"{name} must have length 1 to within {UNIT_TOLERANCE:g}, got length {wrong:.9g}"
         raise ValueError(message)
     scale = np.where(off > ROUNDING, length, 1.0)
     return array / scale[..., None]

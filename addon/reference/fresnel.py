@@ -56,10 +56,11 @@ def fresnel_dielectric(cos: ArrayLike, eta: ArrayLike) -> Floats:
     beyond = (eta - 1.0) * (eta + 1.0)  # eta^2 - 1, to the last digit also next to eta = 1
     g2 = _square_plus(c, beyond)
     g = np.sqrt(np.maximum(g2, 0.0))
-    g_minus_c = beyond / np.where(g + c > 0, g + c, 1.0)  # g - c itself would cancel
-    s = g_minus_c / np.where(g + c > 0, g + c, 1.0)
-    p = (c * (g + c) - 1.0) / (c * g_minus_c + 1.0)
-    F = 0.5 * s**2 * (1.0 + p**2)
+    with np.errstate(over="ignore", invalid="ignore"):  # only where 1 is put in below
+        g_minus_c = beyond / np.where(g + c > 0, g + c, 1.0)  # g - c itself would cancel
+        s = g_minus_c / np.where(g + c > 0, g + c, 1.0)
+        p = (c * (g + c) - 1.0) / (c * g_minus_c + 1.0)
+        F = 0.5 * s**2 * (1.0 + p**2)
     grazing = (c == 0) & (beyond != 0)  # 0/0 of the form above when eta is next to 1; the limit is 1
     return np.where((g2 <= 0) & (beyond < 0) | grazing, 1.0, np.minimum(F, 1.0))
 
@@ -85,10 +86,13 @@ def fresnel_conductor(cos: ArrayLike, n: ArrayLike, k: ArrayLike) -> Floats:
     n2 = (n - k) * (n + k) + 2j * n * k
     # N^2 - 1 by factors keeps its digits next to N = 1: n^2 - 1 - k^2 = (n - 1)(n + 1) - k^2
     beyond = (n - 1.0) * (n + 1.0) - k * k + 2j * n * k
-    g = np.sqrt(_square_plus(c, beyond.real) + 1j * beyond.imag)
+    sin2 = (1.0 - c) * (1.0 + c)
+    # g^2 is c^2 + (N^2 - 1), which keeps its digits next to N = 1, and N^2 - sin^2, which does next to N = 0.
+    near_zero = 8.0 * np.maximum(np.abs(n2.real), sin2) < np.maximum(c * c, np.abs(beyond.real))
+    g2 = np.where(near_zero, n2.real - sin2, _square_plus(c, beyond.real))
+    g = np.sqrt(g2 + 1j * beyond.imag)
     # c - g and N^2 c - g cancel next to N = 1; multiplied out with c + g and N^2 c + g they are products.
     sum_s, sum_p = c + g, n2 * c + g
-    sin2 = (1.0 - c) * (1.0 + c)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         r_s = beyond / sum_s / sum_s
         r_p = beyond / sum_p * ((n2 * c * c - sin2) / sum_p)

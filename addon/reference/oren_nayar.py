@@ -33,6 +33,8 @@ def oren_nayar(
     C2 = 0.45 s2/(s2 + 0.09) (sin a - (0 if cos p >= 0 else (2b/pi)^3))
     C3 = 0.125 s2/(s2 + 0.09) (4ab/pi^2)^2
     Qualitative: f = albedo/pi [C1 + max(0, cos p) 0.45 s2/(s2 + 0.09) sin a tan b]
+    The full fit falls below 0 (to -0.018) at grazing angles opposite each other, for sigma > 0.66 and the lower
+    albedos: 0 is returned there.
 
     wi, wo: unit vectors (..., 3), broadcast. albedo: in [0, 1], scalar or RGB. sigma: standard deviation of the
     facet angle in radians, [0, pi/2]. Returns float64 (..., 3); 0 unless both directions leave the upper side.
@@ -43,30 +45,39 @@ def oren_nayar(
     rho = as_rgb(albedo, "albedo", 0.0, 1.0)
     s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))
     lit = above(wi, wo)
-    alpha, beta, cos_p = _angles(np.where(lit[..., None], wi, [0, 0, 1]), np.where(lit[..., None], wo, [0, 0, 1]))
+    wi, wo = np.where(lit[..., None], wi, [0, 0, 1]), np.where(lit[..., None], wo, [0, 0, 1])
+    low, high, tan_b, cos_p, aside = _angles(wi, wo)
     C1 = 1.0 - 0.5 * s2 / (s2 + 0.33)
     slope = 0.45 * s2 / (s2 + 0.09)
     if qualitative:
-        shape = C1 + np.maximum(cos_p, 0.0) * slope * np.sin(alpha) * np.tan(beta)
+        shape = C1 + np.maximum(cos_p, 0.0) * slope * np.cos(low) * tan_b
         return rho / np.pi * np.where(lit, shape, 0.0)[..., None]
-    C2 = slope * (np.sin(alpha) - np.where(cos_p >= 0, 0.0, (2.0 * beta / np.pi) ** 3))
-    C3 = 0.125 * s2 / (s2 + 0.09) * (4.0 * alpha * beta / np.pi**2) ** 2
-    once = C1 + cos_p * C2 * np.tan(beta) + (1.0 - np.abs(cos_p)) * C3 * np.tan((alpha + beta) / 2.0)
-    twice = 0.17 * s2 / (s2 + 0.13) * (1.0 - cos_p * (2.0 * beta / np.pi) ** 2)
+    x, y = 2.0 * low / np.pi, 2.0 * high / np.pi  # 1 - 2a/pi, 1 - 2b/pi
+    behind = y * (3.0 - y * (3.0 - y)) - 2.0 * np.sin(low / 2.0) ** 2  # sin a - (2b/pi)^3 without cancelling
+    C2 = slope * np.where(cos_p >= 0, np.cos(low), behind)
+    C3 = 0.125 * s2 / (s2 + 0.09) * ((1.0 - x) * (1.0 - y)) ** 2
+    once = C1 + cos_p * C2 * tan_b + aside * C3 / np.tan((low + high) / 2.0)
+    twice = 0.17 * s2 / (s2 + 0.13) * (1.0 - cos_p * (1.0 - y) ** 2)
     once, twice = np.where(lit, once, 0.0)[..., None], np.where(lit, twice, 0.0)[..., None]
-    return rho / np.pi * (once + rho * twice)
+    return rho / np.pi * np.maximum(once + rho * twice, 0.0)
 
 
-def _angles(wi: Floats, wo: Floats) -> tuple[Floats, Floats, Floats]:
-    """Larger and smaller polar angle, and the cosine between the azimuths."""
+def _angles(wi: Floats, wo: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Elevations pi/2 - a and pi/2 - b, tan b, and of the azimuths cos p and 1 - |cos p|.
+
+    Near grazing tan b and the brackets it multiplies live on digits that the polar angles and cos p round off.
+    """
     sin_i, sin_o = np.hypot(wi[..., 0], wi[..., 1]), np.hypot(wo[..., 0], wo[..., 1])
-    theta_i, theta_o = np.arctan2(sin_i, wi[..., 2]), np.arctan2(sin_o, wo[..., 2])
+    up_i, up_o = np.arctan2(wi[..., 2], sin_i), np.arctan2(wo[..., 2], sin_o)
+    tan_b = np.minimum(sin_i / wi[..., 2], sin_o / wo[..., 2])
     # Along the normal the azimuth is undefined; b is 0 there and every factor of cos p vanishes with it.
     defined = (sin_i > 0) & (sin_o > 0)
     unit_i = wi[..., :2] / np.where(defined, sin_i, 1.0)[..., None]
     unit_o = wo[..., :2] / np.where(defined, sin_o, 1.0)[..., None]
     cos_p = np.where(defined, np.clip(dot(unit_i, unit_o), -1.0, 1.0), 0.0)
-    return np.maximum(theta_i, theta_o), np.minimum(theta_i, theta_o), cos_p
+    sin_p = unit_i[..., 0] * unit_o[..., 1] - unit_i[..., 1] * unit_o[..., 0]
+    aside = np.where(defined, sin_p**2 / (1.0 + np.abs(cos_p)), 1.0)
+    return np.minimum(up_i, up_o), np.maximum(up_i, up_o), tan_b, cos_p, aside
 
 
 class _Diffuse:

@@ -59,19 +59,22 @@ def per_direction(wo: ArrayLike, one: Callable[[float, int], Floats]) -> Floats:
     return result.reshape(wo.shape)
 
 
-def vgroove_albedo(wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, nodes: int = NODES) -> Floats:
-    """Directional albedo of Cook-Torrance, RGB (..., 3).
+def vgroove_albedo(
+    wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, *, moment: int = 1, nodes: int = NODES
+) -> Floats:
+    """Directional albedo of Cook-Torrance, RGB (..., 3), or a higher moment of its sampler's weight.
 
     With slopes p (in the plane of view) and q, A = v_x p + v_z = (v.h)/(n.h) and the Gaussian P of slopes:
-    E = 1/v_z  integral of  P(p, q) A F(v.h) G dp dq,
-    G = min(1, 2 v_z/A, 4/(1 + p^2 + q^2) - 2 v_z/A)+, the last being 2 (n.h)(n.l)/(v.h).
+    E[w^moment] = 1/v_z  integral of  P(p, q) A G1 (F G2/G1)^moment dp dq,
+    G1 = min(1, 2 v_z/A), G2 = min(G1, 4/(1 + p^2 + q^2) - 2 v_z/A)+, the last being 2 (n.h)(n.l)/(v.h).
+    The first moment is the albedo; the second gives the variance of one sample under a white sky.
     """
     wo = as_directions(wo, "wo")
     slopes = np.broadcast_to(as_positive(m, "m"), wo.shape[:-1]).ravel()
-    return per_direction(wo, lambda cosine, index: _vgroove_albedo(cosine, float(slopes[index]), fresnel, nodes))
+    return per_direction(wo, lambda cosine, index: _vgroove_moment(cosine, float(slopes[index]), fresnel, moment, nodes))
 
 
-def _vgroove_albedo(vz: float, m: float, fresnel: Fresnel, nodes: int) -> Floats:
+def _vgroove_moment(vz: float, m: float, fresnel: Fresnel, moment: int, nodes: int) -> Floats:
     vx = np.sqrt((1.0 - vz) * (1.0 + vz))
     p, p_weight = panels(_outer_edges(vx, vz, m, fresnel.kinks), nodes)
     if p.size == 0:
@@ -80,10 +83,11 @@ def _vgroove_albedo(vz: float, m: float, fresnel: Fresnel, nodes: int) -> Floats
     q, q_weight = panels(_inner_edges(p, A, vz, m, fresnel.kinks), nodes)
     p, A = p[:, None], A[:, None]
     length2 = 1.0 + p * p + q * q
-    G = np.maximum(np.minimum(np.minimum(1.0, 2.0 * vz / A), 4.0 / length2 - 2.0 * vz / A), 0.0)
+    G1 = np.minimum(1.0, 2.0 * vz / A)
+    G2 = np.maximum(np.minimum(G1, 4.0 / length2 - 2.0 * vz / A), 0.0)
     P = np.exp(-np.square(p / m) - np.square(q / m)) / (np.pi * m * m)
     F = fresnel(np.minimum(A / np.sqrt(length2), 1.0))
-    integrand = (P * (A / vz) * G)[..., None] * F
+    integrand = (P * (A / vz) * G1)[..., None] * (F * (G2 / G1)[..., None]) ** moment
     return 2.0 * np.einsum("pqc,pq,p->c", integrand, q_weight, p_weight)  # q < 0 mirrors q > 0
 
 

@@ -33,7 +33,7 @@ class Sum:
     def __post_init__(self) -> None:
         d, s = as_range(self.d, "d", 0.0, 1.0), as_range(self.s, "s", 0.0, 1.0)
         if d + s > 1.0 + 1e-12:
-            message = f"d + s must be at most 1 (more light would leave than arrives), got {d:g} + {s:g}"
+            message = f"d + s must be at most 1 (more light would leave than arrives), got {d:.15g} + {s:.15g}"
             raise ValueError(message)
 
     def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:

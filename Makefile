@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# `make demo` and `make test` are all that a newcomer needs; the rest is for those who work on vgroove.
+export UV_PYTHON_DOWNLOADS ?= never
+UV := $(shell command -v uv 2>/dev/null || echo .tools/uv/bin/uv)
+RUN = $(UV) run --quiet
+RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
+
+.PHONY: demo test test-4.5 lint check bench package clean
+
+demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
+	$(RUN) python -m vgroove.addon.demo -o build/demo.png
+
+test: | $(UV)  ## every test, on Blender 5.2
+	$(RUN) pytest
+
+test-4.5: | $(UV)  ## the same tests, on Blender 4.5
+	$(RUN_45) pytest
+
+lint: | $(UV)  ## format, lint, types
+	$(RUN) ruff format --check .
+	$(RUN) ruff check .
+	mkdir -p .cache/types && ln -sfn ../.. .cache/types/vgroove && MYPYPATH=.cache/types $(RUN) mypy -p vgroove
+
+check: | $(UV)  ## every model x estimator x backend, Cycles against NumPy
+	$(RUN) vgroove check
+
+bench: | $(UV)  ## time of each estimator and backend over Cycles' own Metallic BSDF
+	$(RUN) python bench/estimators.py
+
+package: | $(UV)  ## the extension as dist/vgroove-VERSION.zip, built and validated by Blender's own tool
+	$(RUN) python tools/package.py dist
+
+.tools/uv/bin/uv:  # an environment of its own, as many systems refuse `pip install` outside one
+	python3 -m venv .tools/uv
+	.tools/uv/bin/pip install --quiet uv==0.13.9
+
+clean:
+	rm -rf build dist .cache .tools .venv .venv-4.5

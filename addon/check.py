@@ -1,0 +1,405 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``vgroove check``: every model x estimator x backend, Cycles against NumPy.
+
+Estimators without noise (``closure``, ``direct``) are compared by their largest difference, as a share of the
+reference's maximum in the same view. ``mirror`` is noisy and is judged by Z-tests whose variances come from the
+reference, so nothing is tuned. docs/testing.md derives every bar.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+from scipy.stats import norm
+
+from . import gonio, headless
+from .presets import Preset, find, parse
+from .reference import albedo, cook_torrance, smith_g
+from .reference.directions import dot
+from .reference.quadrature import gauss_legendre, vgroove_albedo
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from numpy.typing import NDArray
+
+THETAS = (0.0, 20.0, 45.0, 70.0, 85.0)
+WINDOW = 5.0
+DIRECT_SLOPES = (1.0, 0.6, 0.3, 0.1, 0.05, 0.02, 0.005, 0.001)
+CLOSURE_SLOPES = (1.0, 0.6, 0.3, 0.1, 0.05, 0.02)
+MIRROR_SLOPES = (0.1, 0.3, 0.6, 1.0)
+SPHERE_SLOPES = (1.0, 0.3, 0.1)
+SUN_ANGLE = 10.0
+SUN_THETAS = (20.0, 60.0, 80.0)
+FURNACE_SAMPLES = 1024
+# Samples a pixel, so that the row resolves a common error of 1 %: broad lobes seldom hit a disc of 10 degrees.
+SUN_SAMPLES = {0.1: 8192, 0.3: 16384, 0.6: 32768, 1.0: 81920}
+NOISY_ROWS = 32  # rows of the plan that are judged by Z-tests; a test holds it to the plan
+ROUNDING = 2.0**-24  # float32 rounds a number near 1 by up to this much
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A backend, and whether Cycles runs its shaders as OSL or as SVM."""
+
+    backend: str
+    shading_osl: bool
+
+    def __str__(self) -> str:
+        return "osl" if self.backend == "osl" else f"nodes in {'OSL' if self.shading_osl else 'SVM'}"
+
+
+SETUPS = (Setup("nodes", shading_osl=False), Setup("nodes", shading_osl=True), Setup("osl", shading_osl=True))
+
+
+@dataclass(frozen=True)
+class View:
+    """One measured image beside the reference of its every pixel; ``variance`` is that of the image's mean."""
+
+    geometry: gonio.Geometry
+    measured: NDArray[np.float64]
+    expected: NDArray[np.float64]
+    bar: float = 0.0
+    scale: float = 0.0
+    variance: NDArray[np.float64] | None = None
+
+    @property
+    def error(self) -> float:
+        """Largest difference as a share of ``scale``; infinite where a value is negative or not finite."""
+        if not np.isfinite(self.measured).all() or self.measured.min() < 0:
+            return float("inf")
+        return float(np.abs(self.measured - self.expected).max() / self.scale)
+
+    @cached_property
+    def z(self) -> NDArray[np.float64]:
+        """(measured - expected) / standard error for every pixel-channel, with float32 accumulation beside the noise."""
+        assert self.variance is not None
+        # A sum of N float32 samples rounds by sqrt(N) 2^-24 of the mean at random; N <= 2^17 gives 2^-15.5.
+        error = np.sqrt(self.variance + np.square(self.expected * 2.0**-15.5))
+        difference = self.measured - self.expected
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(difference == 0, 0.0, difference / error)
+
+
+@dataclass
+class Row:
+    """One line of the table: an estimator in a setup on one material, over all its views."""
+
+    test: str
+    setup: Setup
+    fresnel: str
+    m: float
+    views: list[View] = field(default_factory=list)
+
+    @property
+    def is_noisy(self) -> bool:
+        return self.views[0].variance is not None
+
+    @property
+    def error(self) -> float:
+        """Worst share of the bar's own measure: largest difference; for noisy rows the share of pixels that pass."""
+        if self.is_noisy:
+            return float(min(share_within(view.z) for view in self.views))
+        return max(view.error for view in self.views)
+
+    @property
+    def bar(self) -> float:
+        return 0.9975 if self.is_noisy else max(view.bar for view in self.views)
+
+    @property
+    def passed(self) -> bool:
+        if not self.is_noisy:
+            return all(view.error <= view.bar for view in self.views)
+        enough = all(share_within(view.z) >= self.bar for view in self.views)
+        spread = max(spread_z(view.z) for view in self.views)
+        return enough and abs(self.scale_z) <= limit(NOISY_ROWS) and spread <= limit(NOISY_ROWS * len(self.views))
+
+    @property
+    def scale_z(self) -> float:
+        """Z of the one number that scales all pixels together: finds a 1 % error that single pixels hide in noise."""
+        return float(self._score() * np.sqrt(self._information()))
+
+    @property
+    def resolves(self) -> float:
+        """The smallest common scale error that the row would turn red on, or its bar if it is free of noise."""
+        return float(limit(NOISY_ROWS) / np.sqrt(self._information())) if self.is_noisy else self.bar
+
+    def _information(self) -> float:
+        return sum(float(np.sum(expected**2 / variance)) for _, expected, variance in map(_noisy, self.views))
+
+    def _score(self) -> float:
+        total = sum(
+            float(np.sum((measured - expected) * expected / variance)) for measured, expected, variance in map(_noisy, self.views)
+        )
+        return total / self._information()
+
+    def scaled(self, factor: float) -> Row:
+        """The row as it would be with a reference ``factor`` times as bright; to see that it can fail."""
+        views = [replace(view, expected=view.expected * factor, scale=view.scale * factor) for view in self.views]
+        return replace(self, views=views)
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "test": self.test, "setup": str(self.setup), "fresnel": self.fresnel, "m": self.m, "error": self.error,
+            "bar": self.bar, "resolves": self.resolves, "passed": self.passed, "views": len(self.views),
+        }  # fmt: skip
+
+
+def _noisy(view: View) -> tuple[NDArray[np.float64], ...]:
+    """Measured, expected and variance of the pixels that carry noise; where the weight is constant there is none.
+
+    One channel: the random facet is common to all three, so they are no independent evidence.
+    """
+    assert view.variance is not None
+    live = view.variance[..., 0] > np.square(view.expected[..., 0] * 2.0**-15.5)
+    return view.measured[..., 0][live], view.expected[..., 0][live], view.variance[..., 0][live]
+
+
+def limit(tests: int) -> float:
+    """Two-sided 1 % limit of a standard normal value, Sidak-corrected for ``tests`` of them."""
+    return float(norm.isf((1.0 - 0.99 ** (1.0 / tests)) / 2.0))
+
+
+def share_within(z: NDArray[np.float64]) -> float:
+    """Share of pixel-channels within the Sidak limit for all of them."""
+    return float(np.mean(np.abs(z) <= limit(z.size)))
+
+
+def spread_z(z: NDArray[np.float64]) -> float:
+    """Z of the mean of z^2 over independent pixels (one channel: all share the random facet); 1 is expected.
+
+    A frozen hash shows here: its noise does not fall with samples. Values are cut at 4 so that a pixel of rare hits
+    does not decide; cut normal squares have mean 0.9989 and variance 1.98.
+    """
+    cut = np.minimum(np.square(z[..., 0]), 16.0)
+    live = cut[np.abs(z[..., 0]) > 1e-3]  # where the weight is constant, only rounding is left
+    return max(0.0, float((live.mean() - 0.9989) / np.sqrt(1.98 / live.size))) if live.size > 30 else 0.0
+
+
+# What each estimator should give
+
+
+def direct_bar(m: float) -> float:
+    """Largest difference allowed for the formula itself, as a share of the view's maximum."""
+    return 2e-5 if m >= 0.1 else 1e-4 if m >= 0.02 else 1e-3
+
+
+def closure_bar(m: float) -> float:
+    """The same for Cycles' own lobe: its 1 - 1/cos^2 rounds by 4 * 2^-24, and exp() divides that by m^2."""
+    return max(2e-4, 4.0 * ROUNDING / m**2)
+
+
+def ray_rounding(evaluate: Callable[[Any, Any], Any], wi: NDArray[np.float64], wo: NDArray[np.float64]) -> float:
+    """By how much f changes, at most, if float32 rounds the camera's ray and the light: the floor of any renderer.
+
+    Every component of wo moves by 2^-24 (a unit vector's is stored to 2^-25 and normalised in float32 once more),
+    the light's likewise, each the unlucky way: the changes of all six are added up.
+    """
+    base = evaluate(wi, wo)
+    total = np.zeros_like(base)
+    for axis in range(3):
+        step = np.zeros(3)
+        step[axis] = ROUNDING
+        total += np.abs(evaluate(wi, _unit(wo + step)) - base) + np.abs(evaluate(_unit(wi + step), wo) - base)
+    return float(total.max())
+
+
+def _unit(v: NDArray[np.float64]) -> NDArray[np.float64]:
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def materials() -> dict[str, Preset]:
+    """One material for each Fresnel kind, and a white one; m is set by each row."""
+    test = 'name = "Test"\nmodel = "cook_torrance"\nm = 0.3\n[fresnel]\n{}\n[source]\ndata = "check"\n'
+    return {
+        "schlick": find("lecture/copper"),
+        "dielectric": parse(test.format("eta = 1.5"), "check/dielectric", "check"),
+        "conductor": parse(test.format("n = [0.27, 0.68, 1.32]\nk = [3.61, 2.62, 2.29]"), "check/conductor", "check"),
+        "white": parse(test.format("f0 = 1.0"), "check/white", "check"),
+    }
+
+
+def direct_row(setup: Setup, fresnel: str, m: float) -> Row:
+    """``direct`` at every theta_i, on the hemisphere and in the window, against the V-groove model."""
+    preset = materials()[fresnel].with_parameters(m=m)
+    F = preset.reference_fresnel()
+    return _exact_row("direct", setup, fresnel, preset, lambda wi, wo: cook_torrance(wi, wo, m, F), direct_bar(m))
+
+
+def closure_row(setup: Setup, fresnel: str, m: float) -> Row:
+    """``closure`` against the same model with Smith's G."""
+    preset = materials()[fresnel].with_parameters(m=m)
+    F = preset.reference_fresnel()
+
+    def evaluate(wi: NDArray[np.float64], wo: NDArray[np.float64]) -> NDArray[np.float64]:
+        return cook_torrance(wi, wo, m, F, smith_g(wi, wo, m))
+
+    row = _exact_row("closure", setup, fresnel, preset, evaluate, closure_bar(m))
+    approximate = fresnel_approximation(setup, fresnel)
+    if approximate:  # a share of the lobe with F = 1, as the approximation is one of F
+        views = []
+        for view in row.views:
+            wi, wo = view.geometry.wi(), view.geometry.wo()
+            lobe = float(cook_torrance(wi, wo, m, materials()["white"].reference_fresnel(), smith_g(wi, wo, m)).max())
+            views.append(replace(view, bar=approximate, scale=max(view.scale, lobe)))
+        row = replace(row, views=views)
+    return row
+
+
+def fresnel_approximation(setup: Setup, fresnel: str) -> float:
+    """How far a native closure's Fresnel term may be off on this Blender, as a reflectance; 0 if it is exact."""
+    from ..nodegroups.cook_torrance_closure import has_exact_conductor
+
+    if has_exact_conductor() or fresnel not in {"conductor", "dielectric"}:
+        return 0.0
+    if fresnel == "conductor":
+        return 0.01
+    return 0.035 if setup.backend == "nodes" else 0.0
+
+
+def _exact_row(
+    test: str, setup: Setup, fresnel: str, preset: Preset, evaluate: Callable[[Any, Any], Any], bar: float
+) -> Row:
+    row = Row(test, setup, fresnel, float(preset.parameters["m"]))
+    for theta_i in THETAS:
+        for window in (0.0, WINDOW):
+            geometry = gonio.Geometry(theta_i, window)
+            wi, wo = geometry.wi(), geometry.wo()
+            expected = evaluate(wi, wo)
+            # Where the view holds less than 2^-64 of the lobe there is only what exp() leaves of its underflow.
+            lobe = float(evaluate(wi, wi * [-1.0, -1.0, 1.0]).max())
+            scale = max(float(expected.max()), 2.0**-64 * lobe)
+            floor = ray_rounding(evaluate, wi, wo) / scale
+            measured = _measure(preset, setup, test, geometry, samples=1)
+            row.views.append(View(geometry, measured, expected, max(bar, floor), scale))
+    return row
+
+
+def sphere_row(fresnel: str, m: float) -> Row:
+    """``direct`` as plain nodes on the point-cloud sphere, without any OSL."""
+    preset = materials()[fresnel].with_parameters(m=m)
+    F = preset.reference_fresnel()
+    row = Row("direct, sphere", SETUPS[0], fresnel, m)
+    for theta_i in (20.0, 70.0):
+        with headless.quiet():
+            radiance, normal = gonio.measure_sphere(preset, "nodes", "direct", theta_i)
+        geometry = gonio.Geometry(theta_i)
+        # The limb is left out: there a pixel's normal turns by 1/nz of what float32 rounds its place.
+        seen = (normal[..., 2] > 0.2) & (normal @ geometry.wi() > 0.02)
+        n = normal[seen]
+        wi, wo = to_local(np.broadcast_to(geometry.wi(), n.shape), n), to_local(np.broadcast_to([0.0, 0.0, 1.0], n.shape), n)
+
+        def evaluate(wi: NDArray[np.float64], wo: NDArray[np.float64]) -> NDArray[np.float64]:
+            return cook_torrance(wi, wo, m, F) * wi[..., 2:]
+
+        expected = evaluate(wi, wo)
+        scale = float(expected.max())
+        floor = ray_rounding(evaluate, wi, wo) / scale
+        row.views.append(View(geometry, radiance[seen].astype(np.float64), expected, max(direct_bar(m), floor), scale))
+    return row
+
+
+def to_local(w: NDArray[np.float64], n: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``w`` in a frame whose z axis is ``n``; any azimuth will do for an isotropic model."""
+    x = _unit(np.cross(n, np.where(np.abs(n[..., :1]) < 0.9, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])))
+    return _unit(np.stack([dot(w, x), dot(w, np.cross(n, x)), dot(w, n)], axis=-1))
+
+
+def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
+    """``mirror`` under a uniform white world: the directional albedo."""
+    preset = materials()[fresnel].with_parameters(m=m)
+    geometry = gonio.Geometry(furnace=True, resolution=(32, 32))
+    column = geometry.wo()[:, :1]
+    mean = np.broadcast_to(albedo(preset.reference(), column), (32, 32, 3))
+    square = vgroove_albedo(column, m, preset.reference_fresnel(), moment=2)
+    variance = np.maximum(square - mean**2, 0.0) / FURNACE_SAMPLES
+    measured = _measure(preset, setup, "mirror", geometry, samples=FURNACE_SAMPLES)
+    return Row("mirror, furnace", setup, fresnel, m, [View(geometry, measured, mean, variance=variance)])
+
+
+def sun_row(setup: Setup, fresnel: str, m: float) -> Row:
+    """``mirror`` under a sun of 10 degrees: the mean of f over its disc, weighted by the cosine."""
+    preset = materials()[fresnel].with_parameters(m=m)
+    model = preset.reference()
+    samples = SUN_SAMPLES[m]
+    row = Row("mirror, sun", setup, fresnel, m)
+    for theta_i in SUN_THETAS:
+        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE)
+        wo = geometry.wo()
+        mean, square = np.zeros_like(wo), np.zeros_like(wo)
+        directions, weights = disc(geometry)
+        # The disc has the radiance that lights a facing plane with 1/cos(theta_i).
+        radiance = 1.0 / np.cos(np.radians(theta_i)) / (np.pi * np.sin(np.radians(SUN_ANGLE / 2)) ** 2)
+        for wi, weight in zip(directions, weights, strict=True):
+            f_cos = model.evaluate(wi, wo) * max(wi[2], 0.0)
+            density = model.pdf(wi, wo)[..., None]
+            mean += weight * radiance * f_cos
+            square += weight * radiance**2 * f_cos**2 / np.where(density > 0, density, 1.0)
+        measured = _measure(preset, setup, "mirror", geometry, samples=samples)
+        # Below 25 expected hits a count is too skewed for a normal limit: such pixels are judged together.
+        hits = samples * mean[..., 0] / radiance
+        pooled = [pool(image, hits) for image in (measured, mean, np.maximum(square - mean**2, 0.0) / samples)]
+        row.views.append(View(geometry, pooled[0], pooled[1], variance=pooled[2]))
+    return row
+
+
+def disc(geometry: gonio.Geometry, rings: int = 16, spokes: int = 48) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Directions (N, 3) over the sun's disc and their solid angles (N,)."""
+    x, weight = gauss_legendre(rings)
+    height = 1.0 - np.cos(np.radians(geometry.sun_angle / 2))  # solid angle is even in the cosine
+    cos, phi = 1.0 - height * x, 2.0 * np.pi * (np.arange(spokes) + 0.5) / spokes
+    sin = np.sqrt(1.0 - cos**2)
+    axis, across = geometry.wi(), np.array([0.0, 1.0, 0.0])
+    up = np.cross(axis, across)
+    ring = np.cos(phi)[:, None] * across + np.sin(phi)[:, None] * up
+    directions = cos[:, None, None] * axis + sin[:, None, None] * ring
+    weights = np.repeat(weight * height * 2.0 * np.pi / spokes, spokes)
+    return directions.reshape(-1, 3), weights
+
+
+def pool(image: NDArray[np.float64], hits: NDArray[np.float64], enough: float = 25.0) -> NDArray[np.float64]:
+    """Sums of pixels (N, 3), taken together in order of expected hits until each group expects ``enough``."""
+    order = np.argsort(hits.ravel())
+    groups = np.floor(np.cumsum(np.minimum(hits.ravel()[order], enough)) / enough).astype(int)
+    groups = np.minimum(groups, max(groups.max() - 1, 0))  # the last may not be full
+    sums = np.zeros((groups.max() + 1, 3))
+    np.add.at(sums, groups, image.reshape(-1, 3)[order])
+    return sums
+
+
+def _measure(preset: Preset, setup: Setup, test: str, geometry: gonio.Geometry, *, samples: int) -> NDArray[np.float64]:
+    with headless.quiet():
+        image = gonio.measure_preset(
+            preset, setup.backend, test, geometry, samples=samples, shading_osl=setup.shading_osl
+        )
+    return image.astype(np.float64)
+
+
+def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
+    """Every row of the table, as the function that measures it and its arguments."""
+    rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
+    for setup in SETUPS:
+        for fresnel in ("schlick", "dielectric", "conductor"):
+            rows += [(direct_row, (setup, fresnel, m)) for m in DIRECT_SLOPES]
+            rows += [(closure_row, (setup, fresnel, m)) for m in CLOSURE_SLOPES]
+        for m in MIRROR_SLOPES:
+            rows += [(furnace_row, (setup, fresnel, m)) for fresnel in ("white", "schlick")]
+        if setup is not SETUPS[1]:  # nodes run as OSL draw the very same facets: the furnace shows it
+            rows += [(sun_row, (setup, "schlick", m)) for m in MIRROR_SLOPES]
+    rows += [(sphere_row, (fresnel, m)) for fresnel in ("schlick", "dielectric", "conductor") for m in SPHERE_SLOPES]
+    return rows
+
+
+def run() -> Iterator[Row]:
+    """Measure the whole plan, row by row."""
+    for measure, arguments in plan():
+        yield measure(*arguments)
+
+
+def versions() -> dict[str, str]:
+    """What measured: for tables and JSON."""
+    return {"blender": ".".join(map(str, bpy.app.version)), "numpy": np.__version__}

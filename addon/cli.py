@@ -1,0 +1,373 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The ``vgroove`` command. Exit codes: 0 done, 1 a check failed, 2 bad input (one line), 3 the work failed."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import time
+from dataclasses import asdict
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+
+from . import presets
+from .files import check_writable, replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from .presets import Preset
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__, rich_markup_mode=None)
+out, err = Console(), Console(stderr=True)
+
+
+class Backend(StrEnum):
+    NODES = "nodes"
+    OSL = "osl"
+
+
+class Estimator(StrEnum):
+    AUTO = "auto"
+    CLOSURE = "closure"
+    MIRROR = "mirror"
+    DIRECT = "direct"
+
+
+class InputError(ValueError):
+    """Bad input in one line: what, where, how to mend it."""
+
+
+SetOption = Annotated[
+    list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Change a parameter: m=0.2, eta=1.5, f0=0.9,0.6,0.5")
+]
+BackendOption = Annotated[Backend, typer.Option(help="nodes: every device; osl: CPU and OptiX")]
+SamplesOption = Annotated[int, typer.Option(min=1, help="Samples a pixel")]
+SeedOption = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of Cycles' random numbers")]
+TimeOption = Annotated[float | None, typer.Option("--time", help="Time in the preset's own unit; for presets that change over time")]
+
+
+@app.command("presets")
+def list_presets(
+    query: Annotated[str, typer.Argument(help="Words to look for in id, name and tags")] = "",
+    *,
+    as_json: Annotated[bool, typer.Option("--json", help="A list of {id, name, family, model, parameters, source}")] = False,
+) -> None:
+    """List the presets."""
+    found = presets.search(query)
+    if as_json:
+        print(json.dumps([_preset_json(preset) for preset in found], indent=1))
+        return
+    table = Table("id", "name", "parameters", "source")
+    for preset in found:
+        numbers = ", ".join(f"{key} {_plain(value)}" for key, value in preset.parameters.items())
+        table.add_row(preset.id, preset.name, numbers, preset.source["data"])
+    out.print(table)
+
+
+@app.command()
+def render(
+    what: Annotated[str, typer.Argument(metavar="PRESET|SCENE.blend", help="A preset, shown on the preview scene, or a scene")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help=".exr (linear, float) or .png; with --frames name_####.png")],
+    *,
+    assign: Annotated[list[str] | None, typer.Option(metavar="OBJECT=PRESET", help="Give an object of the scene a preset")] = None,
+    settings: SetOption = None,
+    backend: BackendOption = Backend.NODES,
+    estimator: Annotated[Estimator, typer.Option(help="auto: mirror where it sees every light, else closure")] = Estimator.AUTO,
+    at_time: TimeOption = None,
+    frames: Annotated[str | None, typer.Option(metavar="A-B", help="A sequence of the scene's frames")] = None,
+    samples: Annotated[int | None, typer.Option(min=1, help="Samples a pixel; 128 for a preset, the scene's own for a .blend")] = None,
+    seed: SeedOption = 0,
+    resolution: Annotated[str | None, typer.Option(metavar="WxH", help="640x480 for a preset, the scene's own for a .blend")] = None,
+) -> None:
+    """Render a preset, or a .blend with presets assigned to its objects."""
+    is_scene = what.endswith(".blend")
+    span = _frames(frames, output)
+    size = _resolution(resolution) if resolution else None
+    if output.suffix.lower() not in {".exr", ".png"}:
+        message = f"{output}: unknown ending; use .exr (linear, float) or .png"
+        raise InputError(message)
+    check_writable(output)
+    assigned = [_assignment(item) for item in assign or []] if is_scene else [("Ball", presets.find(what))]
+    changed = [(name, _changed(preset, settings, at_time)) for name, preset in assigned]
+    if is_scene and not Path(what).is_file():
+        message = f"{what}: no such scene; name a .blend file"
+        raise InputError(message)
+    if assign and not is_scene:
+        message = "--assign goes with a SCENE.blend; the preview scene shows the preset itself"
+        raise InputError(message)
+    _with_blender()
+    from . import headless, scene
+
+    with headless.quiet():
+        shown = _open(what) if is_scene else scene.preview()
+        _assign(shown, changed, backend, estimator, "--assign" if is_scene else "")
+    defaults = {} if is_scene else {"samples": 128, "resolution": (640, 480)}
+    chosen = {"samples": samples, "resolution": size}
+    chosen = {key: defaults.get(key) if value is None else value for key, value in chosen.items()}
+    for frame in span or [None]:
+        path = output if frame is None else _numbered(output, frame)
+        with headless.quiet():
+            if frame is not None:
+                shown.frame_set(frame)
+            scene.still(shown, path, seed=seed, **chosen)
+        err.print(f"wrote {path}", highlight=False)
+
+
+@app.command()
+def measure(
+    name: Annotated[str, typer.Argument(metavar="PRESET")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.exr", help="float32 EXR, channels R G B, f in 1/sr")],
+    *,
+    settings: SetOption = None,
+    theta_i: Annotated[float | None, typer.Option(metavar="DEG", min=0, max=89.99, help="Angle of the sun from the normal")] = None,
+    sun_angle: Annotated[float, typer.Option(metavar="DEG", min=0, max=90, help="Full angle of the sun's disc; mirror needs one")] = 0.0,
+    furnace: Annotated[bool, typer.Option(help="Directional albedo under a uniform white world")] = False,
+    window: Annotated[float, typer.Option(metavar="DEG", min=0, max=45, help="Half width around the mirror direction; 0: hemisphere")] = 0.0,
+    at_time: TimeOption = None,
+    resolution: Annotated[str, typer.Option(metavar="WxH")] = "64x64",
+    samples: SamplesOption = 1,
+    seed: SeedOption = 0,
+    backend: BackendOption = Backend.NODES,
+    estimator: Annotated[Estimator, typer.Option(help="auto: mirror for a sun with an angle or a furnace, else direct")] = Estimator.AUTO,
+) -> None:
+    """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer."""
+    preset = _changed(presets.find(name), settings, at_time)
+    size = _resolution(resolution)
+    if (theta_i is None) != furnace:
+        message = "give either --theta-i DEG or --furnace"
+        raise InputError(message)
+    if furnace and (window or sun_angle):
+        message = "--furnace has no sun: leave --window and --sun-angle out"
+        raise InputError(message)
+    if output.suffix.lower() != ".exr":
+        message = f"{output}: measurements are EXR files; name one that ends in .exr"
+        raise InputError(message)
+    extended = furnace or sun_angle > 0
+    if estimator == Estimator.MIRROR and not extended:
+        message = "mirror does not see a sun of zero size; give --sun-angle DEG or --furnace"
+        raise InputError(message)
+    if estimator == Estimator.DIRECT and extended:
+        message = "direct takes lamps as points; leave --sun-angle and --furnace out, or choose mirror"
+        raise InputError(message)
+    if estimator == Estimator.AUTO:
+        estimator = Estimator.MIRROR if extended else Estimator.DIRECT
+    check_writable(output)
+    _with_blender()
+    from . import gonio, headless
+
+    geometry = gonio.Geometry(theta_i or 0.0, window, size, sun_angle, furnace)
+    start = time.perf_counter()
+    with headless.quiet():
+        image = gonio.measure_preset(preset, backend, estimator, geometry, samples=samples, seed=seed, shading_osl=backend == Backend.OSL)
+    seconds = time.perf_counter() - start
+    attributes = {
+        "vgroove:preset": preset.id, "vgroove:parameters": json.dumps(preset.parameters), "vgroove:estimator": str(estimator),
+        "vgroove:backend": str(backend), "vgroove:samples": samples, "vgroove:seed": seed, "vgroove:seconds": seconds,
+        "vgroove:geometry": json.dumps(asdict(geometry)), "vgroove:versions": json.dumps(_versions()),
+    }  # fmt: skip
+    with replacing(output) as temporary:
+        _write_exr(temporary, image, attributes)
+    err.print(f"wrote {output}", highlight=False)
+
+
+@app.command()
+def check(
+    *,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Every row as JSON")] = None,
+    quick: Annotated[bool, typer.Option(help="One slope a kind, to see that the instrument works")] = False,
+) -> None:
+    """Hold Cycles against the NumPy reference: every model x estimator x backend. Exits 1 if a row fails."""
+    if json_file is not None:
+        check_writable(json_file)
+    _with_blender()
+    from . import check as checking
+
+    plan = [item for item in checking.plan() if not quick or item[1][-1] == 0.3]
+    rows = [measure_row(*arguments) for measure_row, arguments in _progress(plan, "measuring")]
+    table = Table("estimator", "run as", "Fresnel", "m", "worst", "bar", "resolves", "")
+    for row in rows:
+        worst, bar = (f"{row.error:.2%}", f"{row.bar:.2%}") if row.is_noisy else (f"{row.error:.1e}", f"{row.bar:.1e}")
+        table.add_row(row.test, str(row.setup), row.fresnel, f"{row.m:g}", worst, bar, f"{row.resolves:.1e}", "ok" if row.passed else "FAILED")
+    out.print(table)
+    failed = sum(not row.passed for row in rows)
+    out.print(f"{len(rows) - failed} rows passed, {failed} failed; Blender {_versions()['blender']}", highlight=False)
+    if json_file is not None:
+        content = {"versions": _versions(), "rows": [row.as_json() for row in rows]}
+        with replacing(json_file) as temporary:
+            temporary.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    if failed:
+        raise typer.Exit(1)
+
+
+def main() -> None:
+    """Entry of the ``vgroove`` command; turns every expected failure into one line and its exit code."""
+    sys.exit(_run(lambda: app(prog_name="vgroove", standalone_mode=False)))
+
+
+def _run(command: Callable[[], Any]) -> int:
+    try:
+        return command() or 0
+    except (typer.Abort, KeyboardInterrupt):
+        return _fail("interrupted", 130)
+    except (presets.PresetError, InputError, OSError) as error:
+        return _fail(str(error), 2)
+    except Exception as error:
+        if hasattr(error, "format_message"):  # a usage error of the parser
+            return _fail(error.format_message(), 2)
+        if type(error).__name__ in {"MaterialError", "SceneError", "OslError"}:  # their modules need Blender
+            return _fail(str(error), 2)
+        if isinstance(error, RuntimeError):  # from Blender itself
+            return _fail(str(error).strip(), 3)
+        raise
+
+
+def _fail(text: str, code: int) -> int:
+    err.print("vgroove: " + " ".join(text.split()), highlight=False, markup=False, soft_wrap=True)
+    return code
+
+
+def _progress(items: Sequence[Any], label: str) -> Iterator[Any]:
+    """The items, with a progress bar when stderr is a terminal and a plain line now and then otherwise."""
+    if not err.is_terminal:
+        for index, item in enumerate(items):
+            if index % 20 == 0:
+                err.print(f"{label} {index}/{len(items)}", highlight=False)
+            yield item
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=err) as progress:
+        yield from progress.track(items, description=label)
+
+
+def _with_blender() -> None:
+    from . import headless
+
+    headless.prepare()
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
+    import bpy
+
+    return {"vgroove": version("vgroove"), "blender": ".".join(map(str, bpy.app.version))}
+
+
+def _preset_json(preset: Preset) -> dict[str, Any]:
+    return {
+        "id": preset.id, "name": preset.name, "family": preset.family, "model": preset.model,
+        "parameters": preset.parameters, "source": preset.source,
+    }  # fmt: skip
+
+
+def _plain(value: float | tuple[float, ...]) -> str:
+    return " ".join(f"{part:g}" for part in value) if isinstance(value, tuple) else f"{value:g}"
+
+
+def _changed(preset: Preset, settings: list[str] | None, at_time: float | None) -> Preset:
+    if at_time is not None:
+        message = f"--time: preset {preset.id} does not change over time; leave it out"
+        raise InputError(message)
+    changes: dict[str, Any] = {}
+    for item in settings or []:
+        name, equals, text = item.partition("=")
+        try:
+            values = [float(part) for part in text.split(",")]
+        except ValueError:
+            equals = ""
+        if not equals:
+            message = f'--set "{item}": write NAME=NUMBER or NAME=R,G,B, as in m=0.2 or f0=0.9,0.6,0.5'
+            raise InputError(message)
+        changes[name] = values[0] if len(values) == 1 else values
+    return preset.with_parameters(**changes)
+
+
+def _assignment(item: str) -> tuple[str, Preset]:
+    name, equals, preset = item.rpartition("=")
+    if not equals or not name or not preset:
+        message = f'--assign "{item}": write OBJECT=PRESET, as in Ball=copper'
+        raise InputError(message)
+    return name, presets.find(preset)
+
+
+def _resolution(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    size = (int(found[1]), int(found[2])) if found else (0, 0)
+    if min(size) < 1 or max(size) > 16384:
+        message = f'resolution "{text}": write WIDTHxHEIGHT in pixels up to 16384, as in 640x480'
+        raise InputError(message)
+    return size
+
+
+def _frames(text: str | None, output: Path) -> list[int]:
+    if text is None:
+        return []
+    found = re.fullmatch(r"(-?\d+)-(-?\d+)", text)
+    if not found or int(found[2]) < int(found[1]):
+        message = f'--frames "{text}": write FIRST-LAST, as in 1-48'
+        raise InputError(message)
+    if "#" not in output.name:
+        message = f"{output}: a sequence needs #### in the file name, as in rust_####.png"
+        raise InputError(message)
+    return list(range(int(found[1]), int(found[2]) + 1))
+
+
+def _numbered(output: Path, frame: int) -> Path:
+    return output.with_name(re.sub("#+", lambda marks: f"{frame:0{len(marks[0])}d}", output.name, count=1))
+
+
+def _open(path: str) -> Any:
+    import bpy
+
+    try:
+        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
+    except RuntimeError as error:
+        message = f"{path}: cannot be opened as a .blend: {' '.join(str(error).split())}"
+        raise InputError(message) from error
+    return bpy.context.scene
+
+
+def _assign(shown: Any, changed: list[tuple[str, Preset]], backend: Backend, estimator: Estimator, flag: str) -> None:
+    from . import material, scene
+
+    if backend == Backend.OSL:
+        shown.cycles.shading_system = True
+    chosen = scene.pick_estimator(shown) if estimator == Estimator.AUTO else str(estimator)
+    lamps = scene.lamps_to_bind(shown, chosen)
+    for name, preset in changed:
+        item = shown.objects.get(name)
+        if item is None:
+            known = ", ".join(sorted(other.name for other in shown.objects if other.type == "MESH"))
+            message = f'{flag} "{name}={preset.id}": the scene has no object of that name; it has {known}'
+            raise InputError(message)
+        if not material.apply(material.build(preset, material.Choice(str(backend), chosen, lamps)), [item]):
+            message = f'{flag} "{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
+            raise InputError(message)
+    if changed:
+        for problem in scene.problems(shown, str(backend), chosen, max(float(p.parameters["m"]) for _, p in changed)):
+            err.print(f"warning: {problem.text}", highlight=False, markup=False, soft_wrap=True)
+
+
+def _write_exr(path: Path, image: Any, attributes: dict[str, Any]) -> None:
+    import numpy as np
+    import OpenImageIO as oiio  # the one inside the bpy wheel: headless.prepare() has put it first
+
+    height, width, _ = image.shape
+    spec = oiio.ImageSpec(width, height, 3, "float")
+    spec.attribute("oiio:ColorSpace", "lin_rec709")
+    spec.attribute("compression", "zip")
+    for name, value in attributes.items():
+        spec.attribute(name, value)
+    file = oiio.ImageOutput.create(str(path))
+    if file is None or not file.open(str(path), spec) or not file.write_image(np.ascontiguousarray(image)):
+        message = f"{path}: cannot be written: {oiio.geterror()}"
+        raise OSError(message)
+    file.close()

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel in the 3D viewport's sidebar, tab "V-Groove"."""
+
+from __future__ import annotations
+
+import textwrap
+
+import bpy
+
+from .. import presets
+from . import operators
+from .preferences import ROOT
+
+
+class VGROOVE_PT_material(bpy.types.Panel):
+    """Choose a preset and apply it."""
+
+    bl_label = "V-Groove Material"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "V-Groove"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings, layout = context.scene.vgroove, self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column()
+        column.prop(settings, "preset")
+        column.row().prop(settings, "backend", expand=True)
+        column.prop(settings, "estimator")
+        if settings.estimator == "auto":
+            column.label(text=f"Picks {operators.chosen_estimator(context.scene).title()} here")
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("vgroove.apply", icon="MATERIAL")
+        source = presets.find(settings.preset).source
+        lines(layout, f"Source: {source['data']}", context.region.width)
+
+
+class VGROOVE_PT_advice(bpy.types.Panel):
+    """What keeps the chosen estimator from rendering as it should."""
+
+    bl_label = "Scene Advice"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "V-Groove"
+    bl_parent_id = "VGROOVE_PT_material"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ROOT not in context.preferences.addons or context.preferences.addons[ROOT].preferences.show_advice
+
+    def draw(self, context: bpy.types.Context) -> None:
+        found = operators.current_problems(context.scene)
+        if not found:
+            self.layout.label(text="This scene suits the choice", icon="CHECKMARK")
+        for problem in found:
+            box = self.layout.box()
+            lines(box, problem.text, context.region.width, icon="ERROR")
+            if problem.mend:
+                box.operator("vgroove.mend", text=problem.button).key = problem.key
+
+
+def lines(layout: bpy.types.UILayout, text: str, width: int, icon: str = "NONE") -> None:
+    """A text broken to the region's width; labels do not wrap by themselves."""
+    scale = bpy.context.preferences.system.ui_scale
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for index, line in enumerate(textwrap.wrap(text, max(20, int(width / scale / 7.5)))):
+        column.label(text=line, icon=icon if index == 0 else "BLANK1" if icon != "NONE" else "NONE")
+
+
+CLASSES = (VGROOVE_PT_material, VGROOVE_PT_advice)

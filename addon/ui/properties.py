@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel's choices, kept with the scene."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import presets
+
+BACKENDS = (
+    ("nodes", "Nodes", "Plain shader nodes: every device, and EEVEE shows them", "NODETREE", 0),
+    ("osl", "OSL", "Open Shading Language: CPU and OptiX only; switch it on in the render properties", "SCRIPT", 1),
+)
+ESTIMATORS = (
+    ("auto", "Automatic", "Mirror where its rays can hit every light, else Closure", 0),
+    ("closure", "Closure", "Cycles' own closure: every light, least noise, but Smith's shadowing in place of the V-groove's", 1),
+    ("mirror", "Mirror", "Exact: a random facet for each sample. Lamps of zero size are added by the formula", 2),
+    ("direct", "Direct", "Exact and free of noise, for the scene's four strongest lamps alone", 3),
+)
+
+_items: list[tuple[str, str, str, int]] = []  # Blender keeps no reference to the texts of a dynamic enum
+
+
+def preset_items(_self: object, _context: object) -> list[tuple[str, str, str, int]]:
+    """Enum items of all presets, read from disk once."""
+    if not _items:
+        found = presets.all_presets().values()
+        _items.extend((p.id, f"{p.name} ({p.family})", f"{p.source['data']}. {p.notes}".strip(), i) for i, p in enumerate(found))
+    return _items
+
+
+class VGrooveSettings(bpy.types.PropertyGroup):
+    """What Apply will give to the selected objects."""
+
+    preset: bpy.props.EnumProperty(name="Preset", description="The material to apply", items=preset_items)
+    backend: bpy.props.EnumProperty(name="Backend", description="What the material is built of", items=BACKENDS, default="nodes")
+    estimator: bpy.props.EnumProperty(
+        name="Estimator", description="How the formula reaches the renderer", items=ESTIMATORS, default="auto"
+    )
+
+
+CLASSES = (VGrooveSettings,)
