@@ -70,13 +70,13 @@ class View:
     @property
     def error(self) -> float:
         """Largest difference as a share of ``scale``; infinite where a value is negative or not finite."""
-        if not np.isfinite(self.measured).all() or self.measured.min() < 0:
+        if not np.isfinite(self.measured).all() or np.min(self.measured) < 0:
             return float("inf")
-        return float(np.abs(self.measured - self.expected).max() / self.scale)
+        return float(np.max(np.abs(self.measured - self.expected)) / self.scale)
 
     @cached_property
     def z(self) -> NDArray[np.float64]:
-        """(measured - expected) / standard error for every pixel-channel, with float32 accumulation beside the noise."""
+        """(measured - expected) / standard error for every pixel-channel; float32 sums add to the noise."""
         assert self.variance is not None
         # A sum of N float32 samples rounds by sqrt(N) 2^-24 of the mean at random; N <= 2^17 gives 2^-15.5.
         error = np.sqrt(self.variance + np.square(self.expected * 2.0**-15.5))
@@ -116,7 +116,8 @@ class Row:
             return all(view.error <= view.bar for view in self.views)
         enough = all(share_within(view.z) >= self.bar for view in self.views)
         spread = max(spread_z(view.z) for view in self.views)
-        return enough and abs(self.scale_z) <= limit(NOISY_ROWS) and spread <= limit(NOISY_ROWS * len(self.views))
+        limits = limit(NOISY_ROWS), limit(NOISY_ROWS * len(self.views))
+        return enough and abs(self.scale_z) <= limits[0] and spread <= limits[1]
 
     @property
     def scale_z(self) -> float:
@@ -133,7 +134,8 @@ class Row:
 
     def _score(self) -> float:
         total = sum(
-            float(np.sum((measured - expected) * expected / variance)) for measured, expected, variance in map(_noisy, self.views)
+            float(np.sum((measured - expected) * expected / variance))
+            for measured, expected, variance in map(_noisy, self.views)
         )
         return total / self._information()
 
@@ -205,7 +207,7 @@ def ray_rounding(evaluate: Callable[[Any, Any], Any], wi: NDArray[np.float64], w
         step = np.zeros(3)
         step[axis] = ROUNDING
         total += np.abs(evaluate(wi, _unit(wo + step)) - base) + np.abs(evaluate(_unit(wi + step), wo) - base)
-    return float(total.max())
+    return float(np.max(total))
 
 
 def _unit(v: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -244,7 +246,7 @@ def closure_row(setup: Setup, fresnel: str, m: float) -> Row:
         views = []
         for view in row.views:
             wi, wo = view.geometry.wi(), view.geometry.wo()
-            lobe = float(cook_torrance(wi, wo, m, materials()["white"].reference_fresnel(), smith_g(wi, wo, m)).max())
+            lobe = float(np.max(cook_torrance(wi, wo, m, materials()["white"].reference_fresnel(), smith_g(wi, wo, m))))
             views.append(replace(view, bar=approximate, scale=max(view.scale, lobe)))
         row = replace(row, views=views)
     return row
@@ -264,15 +266,15 @@ def fresnel_approximation(setup: Setup, fresnel: str) -> float:
 def _exact_row(
     test: str, setup: Setup, fresnel: str, preset: Preset, evaluate: Callable[[Any, Any], Any], bar: float
 ) -> Row:
-    row = Row(test, setup, fresnel, float(preset.parameters["m"]))
+    row = Row(test, setup, fresnel, preset.m)
     for theta_i in THETAS:
         for window in (0.0, WINDOW):
             geometry = gonio.Geometry(theta_i, window)
             wi, wo = geometry.wi(), geometry.wo()
             expected = evaluate(wi, wo)
             # Where the view holds less than 2^-64 of the lobe there is only what exp() leaves of its underflow.
-            lobe = float(evaluate(wi, wi * [-1.0, -1.0, 1.0]).max())
-            scale = max(float(expected.max()), 2.0**-64 * lobe)
+            lobe = float(np.max(evaluate(wi, wi * [-1.0, -1.0, 1.0])))
+            scale = max(float(np.max(expected)), 2.0**-64 * lobe)
             floor = ray_rounding(evaluate, wi, wo) / scale
             measured = _measure(preset, setup, test, geometry, samples=1)
             row.views.append(View(geometry, measured, expected, max(bar, floor), scale))
@@ -291,13 +293,16 @@ def sphere_row(fresnel: str, m: float) -> Row:
         # The limb is left out: there a pixel's normal turns by 1/nz of what float32 rounds its place.
         seen = (normal[..., 2] > 0.2) & (normal @ geometry.wi() > 0.02)
         n = normal[seen]
-        wi, wo = to_local(np.broadcast_to(geometry.wi(), n.shape), n), to_local(np.broadcast_to([0.0, 0.0, 1.0], n.shape), n)
+        wi, wo = (
+            to_local(np.broadcast_to(geometry.wi(), n.shape), n),
+            to_local(np.broadcast_to([0.0, 0.0, 1.0], n.shape), n),
+        )
 
         def evaluate(wi: NDArray[np.float64], wo: NDArray[np.float64]) -> NDArray[np.float64]:
             return cook_torrance(wi, wo, m, F) * wi[..., 2:]
 
         expected = evaluate(wi, wo)
-        scale = float(expected.max())
+        scale = float(np.max(expected))
         floor = ray_rounding(evaluate, wi, wo) / scale
         row.views.append(View(geometry, radiance[seen].astype(np.float64), expected, max(direct_bar(m), floor), scale))
     return row
@@ -347,7 +352,9 @@ def sun_row(setup: Setup, fresnel: str, m: float) -> Row:
     return row
 
 
-def disc(geometry: gonio.Geometry, rings: int = 16, spokes: int = 48) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def disc(
+    geometry: gonio.Geometry, rings: int = 16, spokes: int = 48
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Directions (N, 3) over the sun's disc and their solid angles (N,)."""
     x, weight = gauss_legendre(rings)
     height = 1.0 - np.cos(np.radians(geometry.sun_angle / 2))  # solid angle is even in the cosine

@@ -46,19 +46,24 @@ class InputError(ValueError):
 
 
 SetOption = Annotated[
-    list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Change a parameter: m=0.2, eta=1.5, f0=0.9,0.6,0.5")
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="Change a parameter: m=0.2, eta=1.5, f0=0.9,0.6,0.5"),
 ]
 BackendOption = Annotated[Backend, typer.Option(help="nodes: every device; osl: CPU and OptiX")]
 SamplesOption = Annotated[int, typer.Option(min=1, help="Samples a pixel")]
 SeedOption = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of Cycles' random numbers")]
-TimeOption = Annotated[float | None, typer.Option("--time", help="Time in the preset's own unit; for presets that change over time")]
+TimeOption = Annotated[
+    float | None, typer.Option("--time", help="Time in the preset's own unit; for presets that change over time")
+]
 
 
 @app.command("presets")
 def list_presets(
     query: Annotated[str, typer.Argument(help="Words to look for in id, name and tags")] = "",
     *,
-    as_json: Annotated[bool, typer.Option("--json", help="A list of {id, name, family, model, parameters, source}")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="A list of {id, name, family, model, parameters, source}")
+    ] = False,
 ) -> None:
     """List the presets."""
     found = presets.search(query)
@@ -74,18 +79,33 @@ def list_presets(
 
 @app.command()
 def render(
-    what: Annotated[str, typer.Argument(metavar="PRESET|SCENE.blend", help="A preset, shown on the preview scene, or a scene")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help=".exr (linear, float) or .png; with --frames name_####.png")],
+    what: Annotated[
+        str, typer.Argument(metavar="PRESET|SCENE.blend", help="A preset, shown on the preview scene, or a scene")
+    ],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="FILE", help=".exr (linear, float) or .png; with --frames name_####.png"
+        ),
+    ],
     *,
-    assign: Annotated[list[str] | None, typer.Option(metavar="OBJECT=PRESET", help="Give an object of the scene a preset")] = None,
+    assign: Annotated[
+        list[str] | None, typer.Option(metavar="OBJECT=PRESET", help="Give an object of the scene a preset")
+    ] = None,
     settings: SetOption = None,
     backend: BackendOption = Backend.NODES,
-    estimator: Annotated[Estimator, typer.Option(help="auto: mirror where it sees every light, else closure")] = Estimator.AUTO,
+    estimator: Annotated[
+        Estimator, typer.Option(help="auto: mirror where it sees every light, else closure")
+    ] = Estimator.AUTO,
     at_time: TimeOption = None,
     frames: Annotated[str | None, typer.Option(metavar="A-B", help="A sequence of the scene's frames")] = None,
-    samples: Annotated[int | None, typer.Option(min=1, help="Samples a pixel; 128 for a preset, the scene's own for a .blend")] = None,
+    samples: Annotated[
+        int | None, typer.Option(min=1, help="Samples a pixel; 128 for a preset, the scene's own for a .blend")
+    ] = None,
     seed: SeedOption = 0,
-    resolution: Annotated[str | None, typer.Option(metavar="WxH", help="640x480 for a preset, the scene's own for a .blend")] = None,
+    resolution: Annotated[
+        str | None, typer.Option(metavar="WxH", help="640x480 for a preset, the scene's own for a .blend")
+    ] = None,
 ) -> None:
     """Render a preset, or a .blend with presets assigned to its objects."""
     is_scene = what.endswith(".blend")
@@ -109,34 +129,44 @@ def render(
     with headless.quiet():
         shown = _open(what) if is_scene else scene.preview()
         _assign(shown, changed, backend, estimator, "--assign" if is_scene else "")
-    defaults = {} if is_scene else {"samples": 128, "resolution": (640, 480)}
-    chosen = {"samples": samples, "resolution": size}
-    chosen = {key: defaults.get(key) if value is None else value for key, value in chosen.items()}
-    for frame in span or [None]:
+    if not is_scene:
+        samples, size = samples or 128, size or (640, 480)
+    numbers: list[int | None] = [*span] or [None]
+    for frame in numbers:
         path = output if frame is None else _numbered(output, frame)
         with headless.quiet():
             if frame is not None:
                 shown.frame_set(frame)
-            scene.still(shown, path, seed=seed, **chosen)
+            scene.still(shown, path, samples=samples, seed=seed, resolution=size)
         err.print(f"wrote {path}", highlight=False)
 
 
 @app.command()
 def measure(
     name: Annotated[str, typer.Argument(metavar="PRESET")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.exr", help="float32 EXR, channels R G B, f in 1/sr")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE.exr", help="float32 EXR, channels R G B, f in 1/sr")
+    ],
     *,
     settings: SetOption = None,
-    theta_i: Annotated[float | None, typer.Option(metavar="DEG", min=0, max=89.99, help="Angle of the sun from the normal")] = None,
-    sun_angle: Annotated[float, typer.Option(metavar="DEG", min=0, max=90, help="Full angle of the sun's disc; mirror needs one")] = 0.0,
+    theta_i: Annotated[
+        float | None, typer.Option(metavar="DEG", min=0, max=89.99, help="Angle of the sun from the normal")
+    ] = None,
+    sun_angle: Annotated[
+        float, typer.Option(metavar="DEG", min=0, max=90, help="Full angle of the sun's disc; mirror needs one")
+    ] = 0.0,
     furnace: Annotated[bool, typer.Option(help="Directional albedo under a uniform white world")] = False,
-    window: Annotated[float, typer.Option(metavar="DEG", min=0, max=45, help="Half width around the mirror direction; 0: hemisphere")] = 0.0,
+    window: Annotated[
+        float, typer.Option(metavar="DEG", min=0, max=45, help="Half width around the mirror direction; 0: hemisphere")
+    ] = 0.0,
     at_time: TimeOption = None,
     resolution: Annotated[str, typer.Option(metavar="WxH")] = "64x64",
     samples: SamplesOption = 1,
     seed: SeedOption = 0,
     backend: BackendOption = Backend.NODES,
-    estimator: Annotated[Estimator, typer.Option(help="auto: mirror for a sun with an angle or a furnace, else direct")] = Estimator.AUTO,
+    estimator: Annotated[
+        Estimator, typer.Option(help="auto: mirror for a sun with an angle or a furnace, else direct")
+    ] = Estimator.AUTO,
 ) -> None:
     """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer."""
     preset = _changed(presets.find(name), settings, at_time)
@@ -166,10 +196,13 @@ def measure(
     geometry = gonio.Geometry(theta_i or 0.0, window, size, sun_angle, furnace)
     start = time.perf_counter()
     with headless.quiet():
-        image = gonio.measure_preset(preset, backend, estimator, geometry, samples=samples, seed=seed, shading_osl=backend == Backend.OSL)
+        image = gonio.measure_preset(
+            preset, backend, estimator, geometry, samples=samples, seed=seed, shading_osl=backend == Backend.OSL
+        )
     seconds = time.perf_counter() - start
     attributes = {
-        "vgroove:preset": preset.id, "vgroove:parameters": json.dumps(preset.parameters), "vgroove:estimator": str(estimator),
+        "vgroove:preset": preset.id, "vgroove:parameters": json.dumps(preset.parameters),
+        "vgroove:estimator": str(estimator),
         "vgroove:backend": str(backend), "vgroove:samples": samples, "vgroove:seed": seed, "vgroove:seconds": seconds,
         "vgroove:geometry": json.dumps(asdict(geometry)), "vgroove:versions": json.dumps(_versions()),
     }  # fmt: skip
@@ -195,7 +228,16 @@ def check(
     table = Table("estimator", "run as", "Fresnel", "m", "worst", "bar", "resolves", "")
     for row in rows:
         worst, bar = (f"{row.error:.2%}", f"{row.bar:.2%}") if row.is_noisy else (f"{row.error:.1e}", f"{row.bar:.1e}")
-        table.add_row(row.test, str(row.setup), row.fresnel, f"{row.m:g}", worst, bar, f"{row.resolves:.1e}", "ok" if row.passed else "FAILED")
+        table.add_row(
+            row.test,
+            str(row.setup),
+            row.fresnel,
+            f"{row.m:g}",
+            worst,
+            bar,
+            f"{row.resolves:.1e}",
+            "ok" if row.passed else "FAILED",
+        )
     out.print(table)
     failed = sum(not row.passed for row in rows)
     out.print(f"{len(rows) - failed} rows passed, {failed} failed; Blender {_versions()['blender']}", highlight=False)
@@ -242,7 +284,13 @@ def _progress(items: Sequence[Any], label: str) -> Iterator[Any]:
                 err.print(f"{label} {index}/{len(items)}", highlight=False)
             yield item
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=err) as progress:
         yield from progress.track(items, description=label)
 
@@ -352,13 +400,13 @@ def _assign(shown: Any, changed: list[tuple[str, Preset]], backend: Backend, est
             message = f'{flag} "{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise InputError(message)
     if changed:
-        for problem in scene.problems(shown, str(backend), chosen, max(float(p.parameters["m"]) for _, p in changed)):
+        for problem in scene.problems(shown, str(backend), chosen, max(p.m for _, p in changed)):
             err.print(f"warning: {problem.text}", highlight=False, markup=False, soft_wrap=True)
 
 
 def _write_exr(path: Path, image: Any, attributes: dict[str, Any]) -> None:
     import numpy as np
-    import OpenImageIO as oiio  # the one inside the bpy wheel: headless.prepare() has put it first
+    import OpenImageIO as oiio  # noqa: N813 - its usual name. The one inside the bpy wheel: headless.prepare() has put it first
 
     height, width, _ = image.shape
     spec = oiio.ImageSpec(width, height, 3, "float")

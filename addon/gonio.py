@@ -23,7 +23,7 @@ from .material import Choice, build
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from bpy.types import Camera, Material, Object, Scene
+    from bpy.types import Material, Object, Scene
     from numpy.typing import NDArray
 
     from .presets import Preset
@@ -89,7 +89,11 @@ def measure_preset(
 
 
 def _measure(
-    make: Callable[[tuple[Object, ...]], Material], geometry: Geometry, samples: int, seed: int, shading_osl: bool
+    make: Callable[[tuple[Object, ...]], Material],
+    geometry: Geometry,
+    samples: int,
+    seed: int,
+    shading_osl: bool,  # noqa: FBT001
 ) -> NDArray[np.float32]:
     with stage(geometry.resolution, samples=samples, seed=seed, shading_osl=shading_osl) as scene:
         lamps = light(scene, geometry)
@@ -101,7 +105,9 @@ def _measure(
 @contextmanager
 def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: bool) -> Iterator[Scene]:
     """A scene of its own with nothing between the estimator and the number; removed with all it held."""
-    before = {name: set(getattr(bpy.data, name)) for name in ("objects", "materials", "meshes", "cameras", "lights", "worlds")}
+    before = {
+        name: set(getattr(bpy.data, name)) for name in ("objects", "materials", "meshes", "cameras", "lights", "worlds")
+    }
     scene = bpy.data.scenes.new("VGroove gonio")
     try:
         render, cycles = scene.render, scene.cycles
@@ -130,7 +136,7 @@ def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: 
 
 
 def light(scene: Scene, geometry: Geometry) -> tuple[Object, ...]:
-    """The lamps of the instrument: the sun at theta_i, strong enough that a BRDF of f gives a radiance of f; or a uniform white world."""
+    """The sun at theta_i, so strong that a BRDF of f gives a radiance of f; or a uniform white world and no lamp."""
     world = scene.world
     if bpy.app.version < (5, 0, 0):  # as for materials; goes with 4.5 LTS
         world.use_nodes = True

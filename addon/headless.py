@@ -21,7 +21,9 @@ def prepare() -> None:
     """
     found = importlib.util.find_spec("bpy")
     if found is None or found.origin is None:
-        message = "the module bpy is not installed; install vgroove with Python 3.13 (Blender 5.2) or 3.11 (Blender 4.5)"
+        message = (
+            "the module bpy is not installed; install vgroove with Python 3.13 (Blender 5.2) or 3.11 (Blender 4.5)"
+        )
         raise ImportError(message)
     folder = next(Path(found.origin).parent.glob("*/python/lib/python*/site-packages"))
     if str(folder) not in sys.path:
@@ -36,7 +38,7 @@ def quiet() -> Iterator[None]:
     """Keep Blender's own lines ("Saved: ...") off standard output, down to the C level."""
     sys.stdout.flush()
     kept = os.dup(1)
-    with open(os.devnull, "w", encoding="utf-8") as nowhere:
+    with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
         os.dup2(nowhere.fileno(), 1)
     try:
         yield

@@ -22,9 +22,11 @@ def refusal(lamp: Object) -> str | None:
     """Why ``direct`` cannot follow this lamp, and how to mend it; None if it can."""
     light = lamp.data
     if light.type not in KINDS:
-        return f'lamp "{lamp.name}" is an area lamp, which "direct" cannot evaluate; use a sun, point or spot, or "closure"'
-    if light.use_nodes and light.node_tree is not None and _has_own_nodes(light.node_tree):
-        return f'lamp "{lamp.name}" has a node tree, which "direct" cannot follow; switch its Use Nodes off, or use "closure"'
+        return f'lamp "{lamp.name}" is an area lamp, which "direct" cannot evaluate; use a sun, point or spot'
+    # 5.x warns when use_nodes is read and always uses the tree; 4.5 may have one that is switched off.
+    uses_nodes = light.node_tree is not None and (bpy.app.version >= (5, 0, 0) or light.use_nodes)
+    if uses_nodes and _has_own_nodes(light.node_tree):
+        return f'lamp "{lamp.name}" has a node tree, which "direct" cannot follow; switch its Use Nodes off'
     if light.type != "SUN" and not light.normalize:
         return f'lamp "{lamp.name}" is not normalized, which "direct" cannot follow; switch Normalize on'
     if any(item.light_linking.receiver_collection for item in (lamp,)):
@@ -64,7 +66,12 @@ def _has_own_nodes(tree: bpy.types.NodeTree) -> bool:
     if others or len(emissions) != 1:
         return True
     color, strength = emissions[0].inputs["Color"], emissions[0].inputs["Strength"]
-    return color.is_linked or strength.is_linked or tuple(color.default_value) != (1, 1, 1, 1) or strength.default_value != 1
+    return (
+        color.is_linked
+        or strength.is_linked
+        or tuple(color.default_value) != (1, 1, 1, 1)
+        or strength.default_value != 1
+    )
 
 
 def bind(node: Node, lamp: Object) -> None:
@@ -77,7 +84,14 @@ def bind(node: Node, lamp: Object) -> None:
             "c * (1 - t + t * k)",
             {"c": f"data.color[{channel}]", "t": "data.use_temperature", "k": f"data.temperature_color[{channel}]"},
         )
-    _drive(node.inputs["Strength"], -1, lamp, "e * pow(2, x) * (1 - h)", {"e": "data.energy", "x": "data.exposure"}, gate="h")
+    _drive(
+        node.inputs["Strength"],
+        -1,
+        lamp,
+        "e * pow(2, x) * (1 - h)",
+        {"e": "data.energy", "x": "data.exposure"},
+        gate="h",
+    )
     # RNA gives the matrix transposed: row 2 is the lamp's z axis, row 3 its place.
     for name, row in (("Axis", 2), ("Position", 3)):
         if name in node.inputs:

@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
@@ -77,7 +78,7 @@ def build(preset: Preset, choice: Choice) -> Material:
     tree.nodes.clear()
     node = _group_node(tree, _group(preset, choice), preset.name)
     for name, value in preset.parameters.items():
-        _set(node, SOCKETS[name], max(value, 1e-4) if name == "m" else value)
+        _set(node, SOCKETS[name], value)
     for index, one in enumerate(choice.lamps, 1):
         _bind(tree, node, index, one, choice)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -120,15 +121,19 @@ def _state(material: Material) -> str:
         driven = node.label.startswith("Lamp")
         for socket in node.inputs:
             value = getattr(socket, "default_value", None)
-            plain = [round(float(part), 7) for part in value] if hasattr(value, "__len__") else value
-            values.append([node.name, socket.name, None if driven else plain, [link.from_node.name for link in socket.links]])
+            plain = [round(float(part), 7) for part in value] if isinstance(value, Iterable) else value
+            values.append(
+                [node.name, socket.name, None if driven else plain, [link.from_node.name for link in socket.links]]
+            )
     return json.dumps(values)
 
 
 def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
-    module = {"closure": cook_torrance_closure, "mirror": cook_torrance_mirror, "direct": cook_torrance_direct}[choice.estimator]
+    module = {"closure": cook_torrance_closure, "mirror": cook_torrance_mirror, "direct": cook_torrance_direct}[
+        choice.estimator
+    ]
     build_group = module.build if choice.backend == "nodes" else module.build_osl
-    arguments = {"kind": preset.fresnel}
+    arguments: dict[str, Any] = {"kind": preset.fresnel}
     name = f"{module.NAME} {fresnel.LABELS[preset.fresnel]}"
     if choice.estimator != "closure":
         arguments["lamps"] = len(choice.lamps)
@@ -161,6 +166,6 @@ def _group_node(tree: ShaderNodeTree, group: ShaderNodeTree, label: str) -> Node
     return node
 
 
-def _set(node: Node, name: str, value: float | tuple[float, ...]) -> None:
+def _set(node: Node, name: str, value: Any) -> None:
     socket = node.inputs[name]
     socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value

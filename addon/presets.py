@@ -20,9 +20,12 @@ import tomllib
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .reference import Conductor, CookTorrance, Dielectric, Fresnel, Schlick, Smooth
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 FOLDER = Path(__file__).parent.parent / "presets"
 FIRST_FAMILY = "lecture"  # wins where a bare name is ambiguous
@@ -56,15 +59,27 @@ class Preset:
     def family(self) -> str:
         return self.id.split("/")[0]
 
+    @property
+    def m(self) -> float:
+        """RMS facet slope; 0 for a smooth interface."""
+        value = self.parameters["m"]
+        assert isinstance(value, float)  # noqa: S101 - one number by RANGES; only colours are tuples
+        return value
+
     def reference_fresnel(self) -> Fresnel:
         """F of the reference."""
         values = [self.parameters[key] for key in FRESNEL_KEYS[self.fresnel]]
-        return {"schlick": Schlick, "dielectric": Dielectric, "conductor": Conductor}[self.fresnel](*values)
+        kinds: dict[str, Callable[..., Fresnel]] = {
+            "schlick": Schlick,
+            "dielectric": Dielectric,
+            "conductor": Conductor,
+        }
+        return kinds[self.fresnel](*values)
 
     def reference(self) -> CookTorrance | Smooth:
         """The model of the reference that this preset stands for."""
-        m = self.parameters["m"]
-        return Smooth(self.reference_fresnel()) if m == 0 else CookTorrance(m, self.reference_fresnel())
+        F = self.reference_fresnel()
+        return Smooth(F) if self.m == 0 else CookTorrance(self.m, F)
 
     def with_parameters(self, **changes: Any) -> Preset:
         """A copy with some parameters changed; raises PresetError for an unknown name or a value out of range."""

@@ -54,14 +54,24 @@ def _engine_problems(scene: Scene, backend: str) -> list[Problem]:
     found = []
     if scene.render.engine != "CYCLES":
         found.append(
-            Problem("engine", f"the render engine is {scene.render.engine}, not Cycles", "Use Cycles", lambda: _set(scene.render, engine="CYCLES"))
+            Problem(
+                "engine",
+                f"the render engine is {scene.render.engine}, not Cycles",
+                "Use Cycles",
+                lambda: _set(scene.render, engine="CYCLES"),
+            )
         )
     cycles = scene.cycles
     if backend == "osl" and not bpy.app.build_options.cycles_osl:
         found.append(Problem("osl-build", "this Blender was built without OSL; use the backend nodes"))
     elif backend == "osl" and not cycles.shading_system:
         found.append(
-            Problem("osl", "Open Shading Language is off: OSL materials render black", "Switch OSL on", lambda: _set(cycles, shading_system=True))
+            Problem(
+                "osl",
+                "Open Shading Language is off: OSL materials render black",
+                "Switch OSL on",
+                lambda: _set(cycles, shading_system=True),
+            )
         )
     return found
 
@@ -74,13 +84,23 @@ def _mirror_problems(scene: Scene) -> list[Problem]:
     if pointlike:
         names = ", ".join(item.name for item in pointlike)
         found.append(
-            Problem("size", f"mirror cannot see lamps of zero size that are not bound: {names}", "Give lamps a size", lambda: _give_size(pointlike))
+            Problem(
+                "size",
+                f"mirror cannot see lamps of zero size that are not bound: {names}",
+                "Give lamps a size",
+                lambda: _give_size(pointlike),
+            )
         )
     unseen = [item for item in shown if not item.data.cycles.use_multiple_importance_sampling]
     if unseen:
         names = ", ".join(item.name for item in unseen)
         found.append(
-            Problem("mis", f"mirror sees nothing of lamps with Multiple Importance off: {names}", "Switch it on", lambda: _use_mis(unseen))
+            Problem(
+                "mis",
+                f"mirror sees nothing of lamps with Multiple Importance off: {names}",
+                "Switch it on",
+                lambda: _use_mis(unseen),
+            )
         )
     world = scene.world
     if world is not None and world.cycles.sampling_method == "NONE":
@@ -92,15 +112,30 @@ def _mirror_problems(scene: Scene) -> list[Problem]:
         )  # fmt: skip
     if cycles.blur_glossy > 0:
         found.append(
-            Problem("filter", "Filter Glossy is on and blurs mirror's facets", "Set it to 0", lambda: _set(cycles, blur_glossy=0.0))
+            Problem(
+                "filter",
+                "Filter Glossy is on and blurs mirror's facets",
+                "Set it to 0",
+                lambda: _set(cycles, blur_glossy=0.0),
+            )
         )
     if cycles.sample_clamp_indirect > 0:
         found.append(
-            Problem("clamp", "Clamp Indirect is on and darkens mirror", "Set it to 0", lambda: _set(cycles, sample_clamp_indirect=0.0))
+            Problem(
+                "clamp",
+                "Clamp Indirect is on and darkens mirror",
+                "Set it to 0",
+                lambda: _set(cycles, sample_clamp_indirect=0.0),
+            )
         )
     if not cycles.caustics_reflective:
         found.append(
-            Problem("caustics", "Reflective Caustics are off: light by way of mirror is lost", "Switch them on", lambda: _set(cycles, caustics_reflective=True))
+            Problem(
+                "caustics",
+                "Reflective Caustics are off: light by way of mirror is lost",
+                "Switch them on",
+                lambda: _set(cycles, caustics_reflective=True),
+            )
         )
     return found
 
@@ -110,7 +145,11 @@ def _direct_problems(scene: Scene, backend: str) -> list[Problem]:
     shown = lamps.of_scene(scene)
     followed = [item for item in shown if lamps.refusal(item) is None]
     if not followed:
-        found.append(Problem("lamps", "direct shows bound lamps alone, and this scene has no sun, point or spot that it can follow"))
+        found.append(
+            Problem(
+                "lamps", "direct shows bound lamps alone, and this scene has no sun, point or spot that it can follow"
+            )
+        )
     found += [Problem("refused", refused) for item in shown if (refused := lamps.refusal(item))]
     if len(followed) > lamps.LIMIT:
         rest = ", ".join(item.name for item in followed[lamps.LIMIT :])
@@ -119,7 +158,12 @@ def _direct_problems(scene: Scene, backend: str) -> list[Problem]:
     if sized:
         found.append(Problem("sized", f"direct takes lamps as points, without soft shadows: {', '.join(sized)}"))
     if backend == "nodes" and not lamp.can_cast_shadows():
-        found.append(Problem("shadows", "direct casts no shadows with nodes in this Blender (5.1 or later has the Raycast node); use OSL"))
+        found.append(
+            Problem(
+                "shadows",
+                "direct casts no shadows with nodes in this Blender (5.1 or later has the Raycast node); use OSL",
+            )
+        )
     return found
 
 
@@ -248,7 +292,14 @@ def _world(scene: Scene, image: Path) -> None:
 # Stills
 
 
-def still(scene: Scene, path: Path, *, samples: int | None = None, seed: int | None = None, resolution: tuple[int, int] | None = None) -> None:
+def still(
+    scene: Scene,
+    path: Path,
+    *,
+    samples: int | None = None,
+    seed: int | None = None,
+    resolution: tuple[int, int] | None = None,
+) -> None:
     """Render ``scene`` to ``path``: linear float EXR or PNG by its ending, whole or not at all."""
     if path.suffix.lower() not in FORMATS:
         message = f"{path}: unknown ending {path.suffix!r}; use .exr (linear, float) or .png"

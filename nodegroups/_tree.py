@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from math import e
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     import bpy
 
-Number = "Value | float | int"
+Number: TypeAlias = "Value | float | tuple[float, float, float]"  # what arithmetic takes
 COLUMN_WIDTH, ROW_HEIGHT = 190, 170
 
 

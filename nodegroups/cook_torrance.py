@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from . import fresnel, osl_script, shading_normal
-from ._tree import Tree, Value
 
 if TYPE_CHECKING:
     from bpy.types import Node
+
+    from ._tree import Tree, Value
 
 
 @dataclass(frozen=True)

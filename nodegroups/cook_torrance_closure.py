@@ -4,7 +4,7 @@
 import bpy
 
 from . import cook_torrance, fresnel
-from ._tree import Tree, Value, sqrt
+from ._tree import Number, Tree, Value, sqrt
 
 NAME = "VGroove Cook-Torrance Closure"
 REVISION = 1
@@ -34,7 +34,7 @@ def build(tree: Tree, kind: str) -> None:
     tree.output_shader("BSDF", metallic.outputs["BSDF"], tip="To the material's Surface")
 
 
-def _f82(tree: Tree, metallic: bpy.types.Node, f0: Value, tint: Value | tuple[float, ...]) -> None:
+def _f82(tree: Tree, metallic: bpy.types.Node, f0: Value, tint: Number) -> None:
     metallic.fresnel_type = "F82"
     tree.connect(f0, metallic.inputs["Base Color"])
     tree.connect(tint, metallic.inputs["Edge Tint"])

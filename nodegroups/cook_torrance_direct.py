@@ -60,9 +60,7 @@ def emission_osl(tree: Tree, kind: str, inputs: cook_torrance.Inputs, beams: Bea
     return tree.add_shaders([node.outputs[0] for node in scripts])
 
 
-def _radiance(
-    tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value, wi: Value, irradiance: Value
-) -> Value:
+def _radiance(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value, wi: Value, irradiance: Value) -> Value:
     wo = tree.geometry("Incoming")
     with tree.frame("Half vector and cosines"):
         both = wi + wo

@@ -12,7 +12,23 @@ from typing import TYPE_CHECKING
 
 from . import cook_torrance, fresnel
 from . import cook_torrance_direct as direct
-from ._tree import Tree, clamp, cos, cross, dot, less, log, maximum, minimum, normalize, scale, select, sin, sqrt, vector
+from ._tree import (
+    Tree,
+    clamp,
+    cos,
+    cross,
+    dot,
+    less,
+    log,
+    maximum,
+    minimum,
+    normalize,
+    scale,
+    select,
+    sin,
+    sqrt,
+    vector,
+)
 from .random_numbers import random_numbers
 from .shading_normal import shading_normal
 

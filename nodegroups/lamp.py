@@ -12,7 +12,7 @@ from math import pi
 import bpy
 
 from . import osl_script
-from ._tree import Tree, Value, clamp, dot, length, normalize, scale
+from ._tree import Tree, Value, clamp, dot, length, less, normalize, scale
 
 REVISION = 1
 KINDS = ("SUN", "POINT", "SPOT")
@@ -36,11 +36,15 @@ def interface(tree: Tree, kind: str) -> dict[str, Value]:
         ),
     }
     if kind in {"SUN", "SPOT"}:
-        inputs["Axis"] = tree.input_vector("Axis", (0, 0, 1), tip="The lamp's own z axis in world space; it shines against it")
+        inputs["Axis"] = tree.input_vector(
+            "Axis", (0, 0, 1), tip="The lamp's own z axis in world space; it shines against it"
+        )
     if kind in {"POINT", "SPOT"}:
         inputs["Position"] = tree.input_vector("Position", tip="Of the lamp in world space, metres")
     if kind == "SPOT":
-        inputs["Size"] = tree.input_float("Size", pi / 4, low=0.0, high=pi, subtype="ANGLE", tip="Full angle of the cone")
+        inputs["Size"] = tree.input_float(
+            "Size", pi / 4, low=0.0, high=pi, subtype="ANGLE", tip="Full angle of the cone"
+        )
         inputs["Blend"] = tree.input_float("Blend", 0.15, low=0.0, high=1.0, tip="Softness of the cone's edge")
     return inputs
 
@@ -86,4 +90,7 @@ def _unblocked(tree: Tree, wi: Value, distance: Value | None) -> Value:
         through = tree.node("ShaderNodeCombineXYZ", *wi.xyz)
         tree.node_tree.links.new(through.outputs[0], ray.inputs["Direction"])
         tree.connect(1e9 if distance is None else distance, ray.inputs["Length"])
-        return 1.0 - Value(tree, ray.outputs["Is Hit"])
+        # On a shared edge the ray may hit the next triangle where it starts, give or take what float32 rounds P.
+        start = 1e-6 * (1.0 + length(tree.geometry("Position")))
+        beyond = less(start, Value(tree, ray.outputs["Hit Distance"]))
+        return 1.0 - Value(tree, ray.outputs["Is Hit"]) * beyond

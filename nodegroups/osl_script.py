@@ -29,7 +29,9 @@ FOLDER = Path(__file__).parent.parent / "osl"
 def source(shader: str) -> str:
     """Text of ``osl/SHADER.osl`` with our own headers in place of their #include lines."""
     text = (FOLDER / f"{shader}.osl").read_text(encoding="utf-8")
-    return re.sub(r'#include "(vgroove\.h)"', lambda found: (FOLDER / "include" / found[1]).read_text(encoding="utf-8"), text)
+    return re.sub(
+        r'#include "(vgroove\.h)"', lambda found: (FOLDER / "include" / found[1]).read_text(encoding="utf-8"), text
+    )
 
 
 def text_block(shader: str) -> Text:
@@ -68,7 +70,7 @@ def _compile(node: Node, shader: str) -> None:
         done = False
         lines.append(str(error))
     if not done:
-        message = f"{shader}.osl does not compile in this Blender; choose the backend \"nodes\" ({'; '.join(lines)})"
+        message = f'{shader}.osl does not compile in this Blender; choose the backend "nodes" ({"; ".join(lines)})'
         raise OslError(message)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Build and validate the extension's zip with the tool that comes inside the bpy wheel.
 
-    python tools/package.py FOLDER
+python tools/package.py FOLDER
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import quadrature
-from .directions import above, as_directions, as_pair, as_positive, as_range, dot, half_vector, reflect
+from .directions import TANGENT, above, as_directions, as_pair, as_positive, as_range, dot, half_vector, reflect
 from .distributions import beckmann_d, vgroove_g, vgroove_g1
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ class Smooth:
     def sample(self, wo: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
         """The mirror direction (..., 3) and its weight F(n.v), (..., 3)."""
         wo, _ = as_samples(wo, u)
-        lit = wo[..., 2] > 0
+        lit = wo[..., 2] > TANGENT
         return wo * [-1.0, -1.0, 1.0], self.fresnel(wo[..., 2]) * lit[..., None]
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
@@ -130,7 +130,7 @@ class Smooth:
     def directional_albedo(self, wo: ArrayLike) -> Floats:
         """F(n.v), (..., 3)."""
         wo = as_directions(wo, "wo")
-        return self.fresnel(wo[..., 2]) * (wo[..., 2:] > 0)
+        return self.fresnel(wo[..., 2]) * (wo[..., 2:] > TANGENT)
 
 
 def as_samples(wo: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:

@@ -20,6 +20,8 @@ import numpy as np
 from .directions import as_finite, as_positive, as_range, as_rgb
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike
 
     from .directions import Floats
@@ -56,7 +58,7 @@ def fresnel_dielectric(cos: ArrayLike, eta: ArrayLike) -> Floats:
     beyond = (eta - 1.0) * (eta + 1.0)  # eta^2 - 1, to the last digit also next to eta = 1
     g2 = _square_plus(c, beyond)
     g = np.sqrt(np.maximum(g2, 0.0))
-    with np.errstate(over="ignore", invalid="ignore"):  # only where 1 is put in below
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # only where 1 is put in below
         g_minus_c = beyond / np.where(g + c > 0, g + c, 1.0)  # g - c itself would cancel
         s = g_minus_c / np.where(g + c > 0, g + c, 1.0)
         p = (c * (g + c) - 1.0) / (c * g_minus_c + 1.0)
@@ -145,7 +147,7 @@ class Dielectric:
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        return _critical_cosines(np.asarray(self.eta, dtype=np.float64), np.float64(0.0))
+        return _critical_cosines(np.asarray(self.eta, dtype=np.float64), np.zeros(()))
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,7 @@ def _with_channels(cos: Floats, parameter: Floats) -> tuple[Floats, Floats]:
     return (cos[..., None] if colour else cos), parameter
 
 
-def _as_rgb_reflectance(formula, cos: ArrayLike, *parameters: ArrayLike) -> Floats:  # noqa: ANN001
+def _as_rgb_reflectance(formula: Callable[..., Floats], cos: ArrayLike, *parameters: ArrayLike) -> Floats:
     as_colours = [np.broadcast_to(p, (*np.shape(p)[:-1], 3)) if np.ndim(p) else np.full(3, p) for p in parameters]
     return formula(as_finite(cos, "cos"), *as_colours)
 
@@ -186,13 +188,17 @@ def _as_rgb_reflectance(formula, cos: ArrayLike, *parameters: ArrayLike) -> Floa
 def _critical_cosines(n: Floats, k: Floats) -> tuple[float, ...]:
     """Where F bends sharply: at sin^2 = Re N^2 (total internal reflection sets in, or nearly does for k > 0).
 
-    Next to N = 1 all of F happens within a few sqrt(|N^2 - 1|) of grazing, so a ladder of cosines covers that.
+    A small k rounds that bend over a few n k / cos. Next to N = 1 all of F happens within a few sqrt(|N^2 - 1|) of
+    grazing, so a ladder of cosines covers that.
     """
     beyond = np.ravel((n - 1.0) * (n + 1.0) - k * k)
-    critical = np.sqrt(-beyond[(beyond < 0) & (beyond > -1)])
+    total = (beyond < 0) & (beyond > -1)
+    critical = np.sqrt(-beyond[total])
+    width = np.broadcast_to(np.ravel(n * k), beyond.shape)[total] / critical
+    critical = np.concatenate([critical, critical - 6.0 * width, critical + 6.0 * width])
     scale = np.sqrt(np.hypot(beyond, 2.0 * np.ravel(n * k)))
     near_one = np.outer(scale[(scale > 0) & (scale < 0.3)], [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0]).ravel()
-    return tuple(sorted({float(value) for value in (*critical, *near_one) if value < 1.0}))
+    return tuple(sorted({float(value) for value in (*critical, *near_one) if 0.0 < value < 1.0}))
 
 
 def _square_plus(c: Floats, b: Floats) -> Floats:

@@ -13,7 +13,7 @@ import numpy as np
 
 from . import quadrature
 from .cook_torrance import as_samples
-from .directions import above, as_directions, as_pair, as_range, as_rgb, dot
+from .directions import TANGENT, above, as_directions, as_pair, as_range, as_rgb, dot
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -42,7 +42,7 @@ def oren_nayar(
     Source: Oren & Nayar 1994, eqs. 27 to 30 (full and qualitative).
     """
     wi, wo = as_pair(wi, wo)
-    rho = as_rgb(albedo, "albedo", 0.0, 1.0)
+    rho = as_rgb(albedo, "albedo", 0.0, 1.0) * np.ones(3)
     s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))
     lit = above(wi, wo)
     wi, wo = np.where(lit[..., None], wi, [0, 0, 1]), np.where(lit[..., None], wo, [0, 0, 1])
@@ -140,4 +140,4 @@ class Lambert(_Diffuse):
     def directional_albedo(self, wo: ArrayLike) -> Floats:
         """``albedo`` itself, (..., 3); 0 below the surface."""
         wo = as_directions(wo, "wo")
-        return np.asarray(self.albedo, dtype=np.float64) * (wo[..., 2:] > 0) * np.ones(3)
+        return np.asarray(self.albedo, dtype=np.float64) * (wo[..., 2:] > TANGENT) * np.ones(3)

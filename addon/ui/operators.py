@@ -10,7 +10,7 @@ from .. import material, presets, scene
 
 
 class VGROOVE_OT_apply(bpy.types.Operator):
-    """Give the chosen preset to the active material slot of every selected object"""
+    """Give the chosen preset to the active material slot of every selected object."""
 
     bl_idname = "vgroove.apply"
     bl_label = "Apply to Selected Objects"
@@ -37,23 +37,27 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         if not count:
             self.report({"WARNING"}, "None of the selected objects can have a material; select a mesh, curve or text")
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{made.name} ({estimator}, {settings.backend}) given to {count} object{'s' * (count > 1)}")
+        self.report(
+            {"INFO"}, f"{made.name} ({estimator}, {settings.backend}) given to {count} object{'s' * (count > 1)}"
+        )
         return {"FINISHED"}
 
 
 class VGROOVE_OT_mend(bpy.types.Operator):
-    """Change the setting that keeps the chosen estimator from rendering as it should"""
+    """Change the setting that keeps the chosen estimator from rendering as it should."""
 
     bl_idname = "vgroove.mend"
     bl_label = "Mend"
     bl_options = {"REGISTER", "UNDO"}
 
-    key: bpy.props.StringProperty(name="Problem", description="Which of the listed problems to mend", options={"HIDDEN"})
+    key: bpy.props.StringProperty(
+        name="Problem", description="Which of the listed problems to mend", options={"HIDDEN"}
+    )
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         found = next((p for p in current_problems(context.scene) if p.key == properties.key), None)
-        return f"{found.text}. {found.button}" if found else cls.__doc__
+        return f"{found.text}. {found.button}" if found else cls.bl_label
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         for problem in current_problems(context.scene):

@@ -13,7 +13,12 @@ BACKENDS = (
 )
 ESTIMATORS = (
     ("auto", "Automatic", "Mirror where its rays can hit every light, else Closure", 0),
-    ("closure", "Closure", "Cycles' own closure: every light, least noise, but Smith's shadowing in place of the V-groove's", 1),
+    (
+        "closure",
+        "Closure",
+        "Cycles' own closure: every light, least noise, but Smith's shadowing in place of the V-groove's",
+        1,
+    ),
     ("mirror", "Mirror", "Exact: a random facet for each sample. Lamps of zero size are added by the formula", 2),
     ("direct", "Direct", "Exact and free of noise, for the scene's four strongest lamps alone", 3),
 )
@@ -25,7 +30,9 @@ def preset_items(_self: object, _context: object) -> list[tuple[str, str, str, i
     """Enum items of all presets, read from disk once."""
     if not _items:
         found = presets.all_presets().values()
-        _items.extend((p.id, f"{p.name} ({p.family})", f"{p.source['data']}. {p.notes}".strip(), i) for i, p in enumerate(found))
+        _items.extend(
+            (p.id, f"{p.name} ({p.family})", f"{p.source['data']}. {p.notes}".strip(), i) for i, p in enumerate(found)
+        )
     return _items
 
 
@@ -33,7 +40,9 @@ class VGrooveSettings(bpy.types.PropertyGroup):
     """What Apply will give to the selected objects."""
 
     preset: bpy.props.EnumProperty(name="Preset", description="The material to apply", items=preset_items)
-    backend: bpy.props.EnumProperty(name="Backend", description="What the material is built of", items=BACKENDS, default="nodes")
+    backend: bpy.props.EnumProperty(
+        name="Backend", description="What the material is built of", items=BACKENDS, default="nodes"
+    )
     estimator: bpy.props.EnumProperty(
         name="Estimator", description="How the formula reaches the renderer", items=ESTIMATORS, default="auto"
     )
