@@ -65,9 +65,13 @@ def white_diffuse(empty_material):
 
 
 def add_mesh(bpy, stage, name, half, height, made=None):
+    """One triangle that covers the square of half width ``half``.
+
+    Where a shadow ray starts exactly on the edge of two triangles the Raycast node sees the second one and nothing
+    behind it, so such a pixel is lit; a floor of two triangles would have a diagonal of them.
+    """
     mesh = bpy.data.meshes.new(name)
-    corners = [(-half, -half, height), (half, -half, height), (half, half, height), (-half, half, height)]
-    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
+    mesh.from_pydata([(-3 * half, -half, height), (3 * half, -half, height), (0, 5 * half, height)], [], [(0, 1, 2)])
     if made:
         mesh.materials.append(made)
     item = bpy.data.objects.new(name, mesh)
