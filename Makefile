@@ -8,13 +8,13 @@ RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 .PHONY: demo test test-4.5 lint check bench package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
-	$(RUN) python -m vgroove.addon.demo -o build/demo.png
+	$(RUN) python tools/demo.py build/demo.png
 
 test: | $(UV)  ## every test, on Blender 5.2
-	$(RUN) pytest
+	$(RUN) pytest -n auto
 
 test-4.5: | $(UV)  ## the same tests, on Blender 4.5
-	$(RUN_45) pytest
+	$(RUN_45) pytest -n auto
 
 lint: | $(UV)  ## format, lint, types
 	$(RUN) ruff format --check .

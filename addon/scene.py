@@ -210,7 +210,7 @@ def environments() -> dict[str, Path]:
     return {path.stem: path for path in sorted(folder.glob("*.exr"))}
 
 
-def preview(environment: str = "courtyard") -> Scene:
+def preview(environment: str = "sunset") -> Scene:
     """A new scene for judging a material: a ball on a grey floor, a real environment and a low sun.
 
     Empties this session. The ball is the object "Ball".
@@ -268,7 +268,7 @@ def _floor(scene: Scene) -> None:
 
 def _sun(scene: Scene) -> None:
     sun = bpy.data.lights.new("Sun", "SUN")
-    sun.energy, sun.angle = 2.5, 0.0  # a sharp shadow line
+    sun.energy, sun.angle = 1.6, 0.0  # a sharp shadow line
     item = bpy.data.objects.new("Sun", sun)
     item.rotation_euler = (radians(50.0), 0.0, radians(-40.0))
     scene.collection.objects.link(item)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Exact Fresnel reflectance of a transparent medium, as ``fresnel_dielectric`` of the reference."""
 
-from ._tree import Tree, Value, clamp, sqrt
+from ._tree import Tree, Value, clamp, maximum, sqrt
 
 NAME = "VGroove Fresnel Dielectric"
 REVISION = 1
@@ -14,7 +14,8 @@ def interface(tree: Tree) -> dict[str, Value]:
 
 def build(tree: Tree) -> None:
     eta = interface(tree)["eta"]
-    c = clamp(tree.input_float("Cosine", 1.0, low=0.0, high=1.0, tip="wo . h, view against half vector"))
+    cosine = tree.input_float("Cosine", 1.0, low=0.0, high=1.0, tip="wo . h, view against half vector")
+    c = maximum(clamp(cosine), 1e-7)  # at 0 exactly, total reflection would read 0/0
     with tree.frame("g^2 = eta^2 + c^2 - 1 (0 in total reflection, which gives F = 1)"):
         beyond = (eta - 1.0) * (eta + 1.0)
         g = sqrt(c * c + beyond)

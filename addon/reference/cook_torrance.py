@@ -14,7 +14,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import quadrature
-from .directions import TANGENT, above, as_directions, as_pair, as_positive, as_range, dot, half_vector, reflect
+from .directions import (
+    TANGENT,
+    above,
+    as_directions,
+    as_pair,
+    as_positive,
+    as_range,
+    dot,
+    facet_cosine,
+    half_vector,
+    reflect,
+)
 from .distributions import beckmann_d, vgroove_g, vgroove_g1
 
 if TYPE_CHECKING:
@@ -40,7 +51,7 @@ def cook_torrance(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, 
     D = beckmann_d(h, m)
     G = vgroove_g(wi, wo) if G is None else G
     ni, no = np.where(lit, wi[..., 2], 1.0), np.where(lit, wo[..., 2], 1.0)
-    F = fresnel(np.where(lit, dot(wo, h), 1.0))
+    F = fresnel(np.where(lit, facet_cosine(wi, wo, h), 1.0))
     return F * np.where(lit, D * (G / ni) / (4.0 * no), 0.0)[..., None]
 
 

@@ -118,6 +118,15 @@ def half_vector(wi: Floats, wo: Floats) -> Floats:
     return both / norm(both)[..., None]
 
 
+def facet_cosine(wi: Floats, wo: Floats, h: Floats) -> Floats:
+    """v.h = wo . h, with |wi + wo| / 2, its value for exactly unit vectors, where wi and wo are all but opposite.
+
+    Rounded unit vectors make wo . h uncertain by 4e-15 / |wi + wo|: within 1e-7 of opposite even its sign is.
+    """
+    length = norm(wi + wo)
+    return np.where(length > 1e-7, dot(wo, h), 0.5 * length)
+
+
 def reflect(wo: Floats, h: Floats) -> Floats:
     """Mirror image of ``wo`` about ``h``: 2 (wo . h) h - wo, scaled back to unit length."""
     mirrored = 2.0 * dot(wo, h)[..., None] * h - wo

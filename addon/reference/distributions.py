@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .directions import above, as_directions, as_pair, as_positive, dot, half_vector
+from .directions import above, as_directions, as_pair, as_positive, dot, facet_cosine, half_vector
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -61,7 +61,7 @@ def vgroove_g(wi: ArrayLike, wo: ArrayLike) -> Floats:
     h = half_vector(wi, wo)
     lower = np.minimum(wi[..., 2], wo[..., 2])
     lit_and_seen = above(wi, wo)
-    vh = np.where(lit_and_seen, dot(wo, h), 1.0)
+    vh = np.where(lit_and_seen, facet_cosine(wi, wo, h), 1.0)
     return np.where(lit_and_seen, np.minimum(1.0, 2.0 * h[..., 2] * lower / vh), 0.0)
 
 

@@ -27,7 +27,7 @@ color schlick(float cosine, color f0)
 // Cook & Torrance 1982; g = 0 in total internal reflection, which gives 1
 float fresnel_dielectric(float cosine, float eta)
 {
-    float c = clamp(cosine, 0, 1);
+    float c = clamp(cosine, 1e-7, 1);  // at 0 exactly, total reflection would read 0/0
     float g = sqrt(max(0, c * c + (eta - 1) * (eta + 1)));
     float s = (g - c) / (g + c);
     float p = (c * (g + c) - 1) / (c * (g - c) + 1);

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The builder: only what is needed, idempotent, and the saved file renders without the extension."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from vgroove.addon import check, gonio, headless, material, presets, scene
+from vgroove.addon.material import Choice, MaterialError, build
+
+pytestmark = pytest.mark.blender
+
+FRESNELS = ("schlick", "dielectric", "conductor")
+CHOICES = [Choice(backend, estimator) for backend in material.BACKENDS for estimator in material.ESTIMATORS]
+
+
+def kinds_inside(tree):
+    """Node types of a tree and all groups in it."""
+    found = set()
+    for node in tree.nodes:
+        found.add(node.bl_idname)
+        if node.bl_idname == "ShaderNodeGroup":
+            found |= kinds_inside(node.node_tree)
+    return found
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=lambda c: f"{c.backend}-{c.estimator}")
+@pytest.mark.parametrize("fresnel", FRESNELS)
+def test_a_material_is_one_group_and_an_output(blender, choice, fresnel):
+    """The artist sees two nodes; their inputs are the preset's numbers."""
+    preset = check.materials()[fresnel]
+    made = build(preset, choice)
+    assert sorted(node.bl_idname for node in made.node_tree.nodes) == ["ShaderNodeGroup", "ShaderNodeOutputMaterial"]
+    node = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
+    names = [socket.name for socket in node.inputs]
+    assert names == [*(material.SOCKETS[key] for key in presets.FRESNEL_KEYS[fresnel]), "Slope m", "Normal"]
+    for key, value in preset.parameters.items():
+        socket = node.inputs[material.SOCKETS[key]]
+        got = tuple(socket.default_value)[:3] if isinstance(value, tuple) else socket.default_value
+        assert got == pytest.approx(value, rel=1e-7)
+
+
+def test_what_an_estimator_does_not_need_is_left_out(blender):
+    """No noise without mirror, no emission without direct, no script without OSL, no drivers without lamps."""
+    preset = check.materials()["schlick"]
+    for choice in CHOICES:
+        made = build(preset, choice)
+        inside = kinds_inside(made.node_tree)
+        assert ("ShaderNodeTexWhiteNoise" in inside) == (choice.backend == "nodes" and choice.estimator == "mirror")
+        assert ("ShaderNodeEmission" in inside) == (choice.estimator == "direct")
+        assert ("ShaderNodeScript" in inside) == (choice.backend == "osl" and choice.estimator != "direct")
+        assert "ShaderNodeRaycast" not in inside
+        assert made.node_tree.animation_data is None
+        assert made.cycles.use_bump_map_correction == (choice.estimator != "mirror")
+
+
+def test_building_twice_gives_one_material(blender):
+    """The same preset by the same choice is the same material, and its groups are shared."""
+    preset = check.materials()["conductor"]
+    for choice in CHOICES:
+        first = build(preset, choice)
+        count = len(blender.data.materials), len(blender.data.node_groups), len(blender.data.texts)
+        assert build(preset, choice) is first
+        assert (len(blender.data.materials), len(blender.data.node_groups), len(blender.data.texts)) == count
+
+
+def test_an_edited_material_is_left_alone(blender):
+    """What an artist changed is not overwritten: a fresh material is made beside it."""
+    preset = check.materials()["schlick"]
+    first = build(preset, Choice())
+    node = next(node for node in first.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
+    node.inputs["Slope m"].default_value = 0.77
+    second = build(preset, Choice())
+    assert second is not first
+    assert node.inputs["Slope m"].default_value == pytest.approx(0.77)
+
+
+def test_applying_fills_the_active_slot_of_what_can_have_a_material(blender):
+    """Meshes with and without slots take it, lamps and empties do not count."""
+    stage = blender.context.scene
+    mesh = blender.data.objects.new("Mesh", blender.data.meshes.new("Mesh"))
+    slotted = blender.data.objects.new("Slotted", blender.data.meshes.new("Slotted"))
+    slotted.data.materials.append(blender.data.materials.new("Old"))
+    lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "POINT"))
+    empty = blender.data.objects.new("Empty", None)
+    for item in (mesh, slotted, lamp, empty):
+        stage.collection.objects.link(item)
+    made = build(check.materials()["schlick"], Choice())
+    assert material.apply(made, [mesh, slotted, lamp, empty]) == 2
+    assert mesh.active_material is made
+    assert slotted.active_material is made
+    assert len(slotted.material_slots) == 1
+
+
+def test_unknown_choices_are_one_line(blender):
+    """Backend and estimator are checked where they enter."""
+    with pytest.raises(MaterialError, match='unknown backend "cuda"; use one of nodes, osl'):
+        Choice(backend="cuda")
+    with pytest.raises(MaterialError, match='unknown estimator "fit"; use one of closure, mirror, direct'):
+        Choice(estimator="fit")
+
+
+RENDER_WITHOUT_US = """
+import sys
+sys.modules["vgroove"] = None
+import bpy
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
+bpy.context.scene.render.filepath = sys.argv[2]
+bpy.ops.render.render(write_still=True)
+"""
+
+
+@pytest.mark.parametrize("backend", material.BACKENDS)
+@pytest.mark.parametrize("estimator", material.ESTIMATORS)
+def test_a_saved_file_renders_the_same_without_the_extension(blender, tmp_path, backend, estimator):
+    """Opened by a Blender that has never heard of vgroove, in another process, the picture is the same."""
+    with headless.quiet(), gonio.stage((48, 48), samples=16, seed=3, shading_osl=backend == "osl") as stage:
+        (lamp,) = gonio.light(stage, gonio.Geometry(30.0))
+        lamp.data.angle = 0.3 if estimator == "mirror" else 0.0
+        lamps = (lamp,) if estimator == "direct" else ()
+        # Shadows stay on: tracing is part of what has to survive.
+        made = build(check.materials()["conductor"], Choice(backend, estimator, lamps))
+        gonio._sphere(stage, made)
+        camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+        camera.location = (0, 0, 5)
+        stage.collection.objects.link(camera)
+        stage.camera = camera
+        blender.context.window.scene = stage
+        here = gonio.rendered(stage)
+        path, image = tmp_path / "scene.blend", tmp_path / "there.exr"
+        blender.ops.wm.save_as_mainfile(filepath=str(path))
+    subprocess.run([sys.executable, "-c", RENDER_WITHOUT_US, str(path), str(image)], check=True, capture_output=True)
+    loaded = blender.data.images.load(str(image))
+    loaded.colorspace_settings.name = "Non-Color"
+    there = np.array(loaded.pixels[:], np.float32).reshape(48, 48, -1)[::-1, :, :3]
+    assert here.max() > 0.1
+    np.testing.assert_array_equal(here, there)
+
+
+def test_mirror_with_a_lamp_of_zero_size_sees_it_by_the_formula(blender):
+    """Under a sun of zero size alone, mirror with the sun bound is exactly direct."""
+    preset = check.materials()["schlick"]
+    images = []
+    for estimator in ("direct", "mirror"):
+        with headless.quiet(), gonio.stage((32, 32), samples=1, seed=0, shading_osl=False) as stage:
+            lamps = gonio.light(stage, gonio.Geometry(40.0))
+            gonio._sphere(stage, build(preset, Choice("nodes", estimator, lamps, shadows=False)))
+            camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+            camera.location = (0, 0, 5)
+            stage.collection.objects.link(camera)
+            stage.camera = camera
+            images.append(gonio.rendered(stage))
+    assert images[0].max() > 0.1
+    np.testing.assert_allclose(images[1], images[0], rtol=1e-6)  # an Add Shader between: one rounding
+
+
+def test_the_estimator_auto_is_exact_where_it_can_be(blender):
+    """Mirror, unless a lamp of zero size cannot be bound or a light is hidden from its rays."""
+    stage = blender.context.scene
+    assert scene.pick_estimator(stage) == "mirror"
+    area = blender.data.lights.new("Area", "AREA")
+    stage.collection.objects.link(blender.data.objects.new("Area", area))
+    assert scene.pick_estimator(stage) == "mirror"
+    area.cycles.use_multiple_importance_sampling = False
+    assert scene.pick_estimator(stage) == "closure"
