@@ -138,7 +138,7 @@ def render(
             if frame is not None:
                 shown.frame_set(frame)
             scene.still(shown, path, samples=samples, seed=seed, resolution=size)
-        err.print(f"wrote {path}", highlight=False)
+        err.print(f"wrote {path}", highlight=False, soft_wrap=True)
 
 
 @app.command()
@@ -208,7 +208,7 @@ def measure(
     }  # fmt: skip
     with replacing(output) as temporary:
         _write_exr(temporary, image, attributes)
-    err.print(f"wrote {output}", highlight=False)
+    err.print(f"wrote {output}", highlight=False, soft_wrap=True)
 
 
 @app.command()

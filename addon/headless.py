@@ -28,7 +28,8 @@ def prepare() -> None:
     folder = next(Path(found.origin).parent.glob("*/python/lib/python*/site-packages"))
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
-    import bpy
+    with quiet():  # it prints where it found its colour management
+        import bpy
 
     bpy.context.preferences.filepaths.use_scripts_auto_execute = False
 

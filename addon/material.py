@@ -62,7 +62,7 @@ class Choice:
 
 
 def build(preset: Preset, choice: Choice) -> Material:
-    """The material of ``preset`` by ``choice``, with a user for this .blend's next save.
+    """The material of ``preset`` by ``choice``.
 
     Idempotent: if this .blend holds one that was built the same way and not edited since, that one is returned.
     An edited one is left alone and a new one is made beside it.
@@ -71,12 +71,13 @@ def build(preset: Preset, choice: Choice) -> Material:
     for material in bpy.data.materials:
         if material.get(KEY) == key and material.get(STATE) == _state(material) and material.library is None:
             return material
-    material = bpy.data.materials.new(preset.name)
+    group = _group(preset, choice)  # may refuse: nothing is made before it
+    material = bpy.data.materials.new(f"{preset.name} ({choice.estimator.title()})")
     if bpy.app.version < (5, 0, 0):  # 4.5 has no tree until use_nodes is set; 5.x warns when it is. Goes with 4.5 LTS.
         material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
-    node = _group_node(tree, _group(preset, choice), preset.name)
+    node = _group_node(tree, group, preset.name)
     for name, value in preset.parameters.items():
         _set(node, SOCKETS[name], value)
     for index, one in enumerate(choice.lamps, 1):
@@ -84,7 +85,7 @@ def build(preset: Preset, choice: Choice) -> Material:
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     output.location = (300, 0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
-    material.use_fake_user = False
+    _show_in_solid_view(material, preset)
     material.cycles.use_bump_map_correction = choice.estimator != "mirror"  # it would bend the sampled facets
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
     material[KEY] = key
@@ -138,7 +139,7 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.estimator != "closure":
         arguments["lamps"] = len(choice.lamps)
     if choice.lamps:
-        name += f", {len(choice.lamps)} lamps"
+        name += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
     return nodegroups.ensure(name + _suffix(choice), module.REVISION, partial(build_group, **arguments))
 
 
@@ -154,6 +155,14 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Cho
     lamp_binding.bind(source, one)
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
+
+
+def _show_in_solid_view(material: Material, preset: Preset) -> None:
+    """Colour, metal and roughness for viewports that do not run the shader."""
+    f0 = preset.reference_fresnel()(1.0)
+    material.diffuse_color = (*(float(channel) for channel in f0), 1.0)
+    material.metallic = 1.0
+    material.roughness = min(1.0, preset.m**0.5)
 
 
 def _suffix(choice: Choice) -> str:

@@ -15,7 +15,7 @@ from . import lamps
 from .files import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from bpy.types import Object, Scene
 
@@ -40,131 +40,91 @@ class Problem:
 
 def problems(scene: Scene, backend: str, estimator: str, m: float = 0.0) -> list[Problem]:
     """What is wrong with ``scene`` for this choice, the gravest first."""
-    found = [*_engine_problems(scene, backend)]
+    found = list(_engine_problems(scene, backend))
     if estimator == "mirror":
         found += _mirror_problems(scene)
     if estimator == "direct":
         found += _direct_problems(scene, backend)
     if estimator == "closure" and m > 1.0:
-        found.append(Problem("slope", f"closure ends at m = 1, which Cycles clamps to; m is {m:g}. Use mirror"))
+        found.append(Problem("slope", f"Closure ends at m = 1, to which Cycles clamps; m is {m:g}. Choose Mirror"))
     return found
 
 
-def _engine_problems(scene: Scene, backend: str) -> list[Problem]:
-    found = []
-    if scene.render.engine != "CYCLES":
-        found.append(
-            Problem(
-                "engine",
-                f"the render engine is {scene.render.engine}, not Cycles",
-                "Use Cycles",
-                lambda: _set(scene.render, engine="CYCLES"),
-            )
-        )
-    cycles = scene.cycles
+def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
+    render, cycles = scene.render, scene.cycles
+    if render.engine != "CYCLES":
+        yield Problem("engine", "The render engine is not Cycles", "Use Cycles", lambda: _set(render, engine="CYCLES"))
     if backend == "osl" and not bpy.app.build_options.cycles_osl:
-        found.append(Problem("osl-build", "this Blender was built without OSL; use the backend nodes"))
+        yield Problem("osl-build", "This Blender was built without OSL; choose the backend Nodes")
     elif backend == "osl" and not cycles.shading_system:
-        found.append(
-            Problem(
-                "osl",
-                "Open Shading Language is off: OSL materials render black",
-                "Switch OSL on",
-                lambda: _set(cycles, shading_system=True),
-            )
-        )
-    return found
+        text = "Open Shading Language is off: OSL materials render black"
+        yield Problem("osl", text, "Switch OSL On", lambda: _set(cycles, shading_system=True))
 
 
-def _mirror_problems(scene: Scene) -> list[Problem]:
-    cycles, found = scene.cycles, []
-    shown = lamps.of_scene(scene)
+def _mirror_problems(scene: Scene) -> Iterator[Problem]:
+    cycles, world = scene.cycles, scene.world
     bound = lamps_to_bind(scene, "mirror")
-    pointlike = [item for item in shown if lamps.size(item) == 0.0 and item not in bound]
+    sought = [item for item in lamps.of_scene(scene) if item not in bound]
+    pointlike = [item for item in sought if lamps.size(item) == 0.0]
     if pointlike:
-        names = ", ".join(item.name for item in pointlike)
-        found.append(
-            Problem(
-                "size",
-                f"mirror cannot see lamps of zero size that are not bound: {names}",
-                "Give lamps a size",
-                lambda: _give_size(pointlike),
-            )
-        )
-    unseen = [item for item in shown if not item.data.cycles.use_multiple_importance_sampling]
+        text = f"Mirror cannot see lamps of zero size that are not bound: {_names(pointlike)}"
+        yield Problem("size", text, "Give Lamps a Size", lambda: _give_size(pointlike))
+    unseen = [item for item in sought if not item.data.cycles.use_multiple_importance_sampling]
     if unseen:
-        names = ", ".join(item.name for item in unseen)
-        found.append(
-            Problem(
-                "mis",
-                f"mirror sees nothing of lamps with Multiple Importance off: {names}",
-                "Switch it on",
-                lambda: _use_mis(unseen),
-            )
-        )
-    world = scene.world
+        text = f"Mirror sees nothing of lamps with Multiple Importance off: {_names(unseen)}"
+        yield Problem("mis", text, "Switch Multiple Importance On", lambda: _use_mis(unseen))
     if world is not None and world.cycles.sampling_method == "NONE":
-        found.append(
-            Problem(
-                "world", "mirror sees nothing of a world with Multiple Importance off", "Switch it on",
-                lambda: _set(world.cycles, sampling_method="AUTOMATIC"),
-            )
-        )  # fmt: skip
+        text = "Mirror sees nothing of a world with Multiple Importance off"
+        yield Problem("world", text, "Sample the World", lambda: _set(world.cycles, sampling_method="AUTOMATIC"))
+    small = [item for item in sought if lamps.size(item) > 0.0 and is_small(item)]
+    if small:
+        text = (
+            f"Mirror seldom hits small lamps, so they are very noisy: {_names(small)}. Size 0 has no noise: it is bound"
+        )
+        yield Problem("small", text, "Set Their Size to 0", lambda: _set_size(small, 0.0))
+    if cycles.use_adaptive_sampling:
+        text = "Noise Threshold stops pixels that have not yet found a light, which darkens Mirror"
+        yield Problem("adaptive", text, "Switch Noise Threshold Off", lambda: _set(cycles, use_adaptive_sampling=False))
     if cycles.blur_glossy > 0:
-        found.append(
-            Problem(
-                "filter",
-                "Filter Glossy is on and blurs mirror's facets",
-                "Set it to 0",
-                lambda: _set(cycles, blur_glossy=0.0),
-            )
-        )
+        text = "Filter Glossy is on and blurs Mirror's facets"
+        yield Problem("filter", text, "Set Filter Glossy to 0", lambda: _set(cycles, blur_glossy=0.0))
     if cycles.sample_clamp_indirect > 0:
-        found.append(
-            Problem(
-                "clamp",
-                "Clamp Indirect is on and darkens mirror",
-                "Set it to 0",
-                lambda: _set(cycles, sample_clamp_indirect=0.0),
-            )
-        )
+        text = "Clamp Indirect is on and darkens Mirror"
+        yield Problem("clamp", text, "Set Clamp Indirect to 0", lambda: _set(cycles, sample_clamp_indirect=0.0))
     if not cycles.caustics_reflective:
-        found.append(
-            Problem(
-                "caustics",
-                "Reflective Caustics are off: light by way of mirror is lost",
-                "Switch them on",
-                lambda: _set(cycles, caustics_reflective=True),
-            )
-        )
-    return found
+        text = "Reflective Caustics are off: light by way of Mirror is lost"
+        yield Problem("caustics", text, "Switch Caustics On", lambda: _set(cycles, caustics_reflective=True))
 
 
-def _direct_problems(scene: Scene, backend: str) -> list[Problem]:
-    found = []
+def _direct_problems(scene: Scene, backend: str) -> Iterator[Problem]:
     shown = lamps.of_scene(scene)
     followed = [item for item in shown if lamps.refusal(item) is None]
     if not followed:
-        found.append(
-            Problem(
-                "lamps", "direct shows bound lamps alone, and this scene has no sun, point or spot that it can follow"
-            )
-        )
-    found += [Problem("refused", refused) for item in shown if (refused := lamps.refusal(item))]
+        text = "Direct shows bound lamps alone, and this scene has no sun, point or spot that it can follow"
+        yield Problem("lamps", text)
+    else:
+        yield Problem("alone", "Direct shows bound lamps alone: no world, no reflections of other objects")
+    for item in shown:
+        if refused := lamps.refusal(item):
+            yield Problem("refused", refused[0].upper() + refused[1:])
     if len(followed) > lamps.LIMIT:
-        rest = ", ".join(item.name for item in followed[lamps.LIMIT :])
-        found.append(Problem("limit", f"direct binds the {lamps.LIMIT} strongest lamps; left out: {rest}"))
-    sized = [item.name for item in followed if lamps.size(item) > 0]
+        text = f"Direct binds the {lamps.LIMIT} strongest lamps; left out: {_names(followed[lamps.LIMIT :])}"
+        yield Problem("limit", text)
+    sized = [item for item in followed if lamps.size(item) > 0]
     if sized:
-        found.append(Problem("sized", f"direct takes lamps as points, without soft shadows: {', '.join(sized)}"))
+        yield Problem("sized", f"Direct takes lamps as points, without soft shadows: {_names(sized)}")
     if backend == "nodes" and not lamp.can_cast_shadows():
-        found.append(
-            Problem(
-                "shadows",
-                "direct casts no shadows with nodes in this Blender (5.1 or later has the Raycast node); use OSL",
-            )
-        )
-    return found
+        text = "Direct casts no shadows with nodes in this Blender, which has no Raycast node; choose OSL"
+        yield Problem("shadows", text)
+
+
+def _names(items: Sequence[Object]) -> str:
+    return ", ".join(item.name for item in items)
+
+
+def is_small(item: Object) -> bool:
+    """Whether a random mirror direction seldom meets this lamp: suns under 5 degrees, and all points and spots."""
+    return item.data.type in {"POINT", "SPOT"} or (item.data.type == "SUN" and item.data.angle < radians(5.0))
 
 
 def _set(owner: object, **values: object) -> None:
@@ -174,12 +134,12 @@ def _set(owner: object, **values: object) -> None:
 
 def _give_size(pointlike: Sequence[Object]) -> None:
     for item in pointlike:
-        if item.data.type == "SUN":
-            item.data.angle = SUN_SIZE
-        elif item.data.type == "AREA":
-            item.data.size = LAMP_SIZE
-        else:
-            item.data.shadow_soft_size = LAMP_SIZE
+        _set_size([item], SUN_SIZE if item.data.type == "SUN" else LAMP_SIZE)
+
+
+def _set_size(items: Sequence[Object], size: float) -> None:
+    for item in items:
+        setattr(item.data, {"SUN": "angle", "AREA": "size"}.get(item.data.type, "shadow_soft_size"), size)
 
 
 def _use_mis(unseen: Sequence[Object]) -> None:
@@ -188,8 +148,8 @@ def _use_mis(unseen: Sequence[Object]) -> None:
 
 
 def pick_estimator(scene: Scene) -> str:
-    """``auto``: mirror where rays can hit every light, as it is exact; else closure, which sees all lights."""
-    blind = {"size", "mis", "world"}
+    """``auto``: mirror where rays readily hit every light, as it is exact; else closure, which sees all lights."""
+    blind = {"size", "mis", "world", "small"}
     return "closure" if any(problem.key in blind for problem in _mirror_problems(scene)) else "mirror"
 
 
@@ -206,8 +166,10 @@ def lamps_to_bind(scene: Scene, estimator: str) -> tuple[Object, ...]:
 
 def environments() -> dict[str, Path]:
     """The environment maps that come with Blender, by name."""
-    folder = Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "studiolights" / "world"
-    return {path.stem: path for path in sorted(folder.glob("*.exr"))}
+    # A distribution's Blender keeps its data in a system folder of its own.
+    roots = [Path(bpy.utils.resource_path(kind) or "/nowhere") for kind in ("SYSTEM", "LOCAL")]
+    folders = [root / "datafiles" / "studiolights" / "world" for root in roots]
+    return {path.stem: path for folder in folders for path in sorted(folder.glob("*.exr"))}
 
 
 def preview(environment: str = "sunset") -> Scene:

@@ -28,7 +28,11 @@ def ensure(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types
             return group
     group = bpy.data.node_groups.new(name, "ShaderNodeTree")
     tree = Tree(group)
-    build(tree)
+    try:
+        build(tree)
+    except Exception:
+        bpy.data.node_groups.remove(group)
+        raise
     tree.arrange()
     group[REVISION_KEY] = revision
     return group

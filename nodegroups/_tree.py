@@ -122,7 +122,7 @@ class Tree:
     @contextmanager
     def panel(self, name: str) -> Iterator[None]:
         """Inputs made inside are shown under a fold-out panel of the group node."""
-        self._panel = self.node_tree.interface.new_panel(name)
+        self._panel = self.node_tree.interface.new_panel(name, default_closed=True)
         yield
         self._panel = None
 
@@ -151,7 +151,7 @@ class Tree:
     def node(self, kind: str, *inputs: Number, **settings: object) -> bpy.types.Node:
         """A new node with its properties set and its leading inputs connected."""
         node = self.node_tree.nodes.new(kind)
-        node.parent = self._frame
+        node.parent, node.select = self._frame, False
         for name, value in settings.items():
             setattr(node, name, value)
         for value, socket in zip(inputs, node.inputs, strict=False):

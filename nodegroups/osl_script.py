@@ -52,8 +52,14 @@ def script(tree: Tree, shader: str, **parameters: Number) -> Node:
     Raises OslError if the shader does not compile (this Blender was built without OSL).
     """
     node = tree.node("ShaderNodeScript", mode="INTERNAL", label=shader)
+    known = set(bpy.data.texts)
     node.script = text_block(shader)
-    _compile(node, shader)
+    try:
+        _compile(node, shader)
+    except OslError:
+        for text in set(bpy.data.texts) - known:
+            bpy.data.texts.remove(text)
+        raise
     for name, value in parameters.items():
         tree.connect(value, socket(node, name))
     return node
@@ -61,17 +67,17 @@ def script(tree: Tree, shader: str, **parameters: Number) -> Node:
 
 def _compile(node: Node, shader: str) -> None:
     """Bytecode and sockets, by the Cycles add-on that comes with Blender."""
-    lines: list[str] = []
+    cause: Exception | None = None
     try:
         from cycles.osl import update_script_node
 
-        done = update_script_node(node, lambda _kind, line: lines.append(line))
+        done = update_script_node(node, lambda *_: None)
     except ImportError as error:  # oslquery is only in builds with OSL
-        done = False
-        lines.append(str(error))
+        done, cause = False, error
     if not done:
-        message = f'{shader}.osl does not compile in this Blender; choose the backend "nodes" ({"; ".join(lines)})'
-        raise OslError(message)
+        reason = "was built without OSL" if isinstance(cause, ImportError) else f"cannot compile {shader}.osl"
+        message = f"This Blender {reason}; choose the backend Nodes"
+        raise OslError(message) from cause
 
 
 def socket(node: Node, parameter: str) -> NodeSocket:

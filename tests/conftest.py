@@ -2,7 +2,6 @@
 """Blender is prepared before anything imports it; each Blender test starts from an empty file."""
 
 import pytest
-
 from vgroove.addon import headless
 
 headless.prepare()

@@ -3,7 +3,6 @@
 
 import numpy as np
 import pytest
-
 from vgroove.addon import check, gonio, headless
 from vgroove.addon.reference import Schlick, cook_torrance
 from vgroove.nodegroups import beckmann_d, osl_script, random_numbers, vgroove_g
@@ -79,7 +78,7 @@ def mutated(old, new):
 
     def source(shader):
         text = original(shader)
-        if shader != "gonio_camera" and shader != "lamp":
+        if shader not in {"gonio_camera", "lamp"}:
             assert old in text
         return text.replace(old, new)
 
@@ -90,7 +89,9 @@ def mutated(old, new):
 def test_a_constant_in_place_of_the_hash_turns_mirror_red(blender, monkeypatch, m):
     """A frozen random number looks like no noise at all; the Z-test sees that it is the wrong picture."""
     with monkeypatch.context() as patch:
-        patch.setattr(osl_script, "source", mutated('return noise("hash", P, stream + noise("hash", I))', "return 0.37"))
+        patch.setattr(
+            osl_script, "source", mutated('return noise("hash", P, stream + noise("hash", I))', "return 0.37")
+        )
         assert not check.furnace_row(check.SETUPS[2], "white", m).passed
     monkeypatch.setattr(random_numbers, "build", frozen)
     assert not check.furnace_row(check.SETUPS[0], "white", m).passed
@@ -108,10 +109,10 @@ def test_an_error_of_one_percent_in_the_slope_or_weight_turns_mirror_red(blender
     from vgroove.nodegroups import cook_torrance_mirror, fresnel
 
     original = fresnel.reflectance
+    monkeypatch.setattr(cook_torrance_mirror.fresnel, "reflectance", lambda *arguments: original(*arguments) * 0.99)
     monkeypatch.setattr(
-        cook_torrance_mirror.fresnel, "reflectance", lambda *arguments: original(*arguments) * 0.99
-    )
-    monkeypatch.setattr(osl_script, "source", mutated("(G2 / G1)", "(0.99 * G2 / G1)")) if setup.backend == "osl" else None
+        osl_script, "source", mutated("(G2 / G1)", "(0.99 * G2 / G1)")
+    ) if setup.backend == "osl" else None
     assert not check.furnace_row(setup, "white", m).passed
 
 

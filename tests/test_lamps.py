@@ -6,7 +6,6 @@ from math import pi
 
 import numpy as np
 import pytest
-
 from vgroove import nodegroups
 from vgroove.addon import check, gonio, headless, lamps, material, scene
 from vgroove.nodegroups import lamp as lamp_group
@@ -43,7 +42,8 @@ def irradiance_material(empty_material, item, backend, *, shadows):
     node.node_tree = nodegroups.ensure(name, 1, partial(build, kind=kind, shadows=shadows))
     lamps.bind(node, item)
     geometry, cosine, positive, emission, output = (
-        tree.nodes.new(f"ShaderNode{name}") for name in ("NewGeometry", "VectorMath", "Math", "Emission", "OutputMaterial")
+        tree.nodes.new(f"ShaderNode{name}")
+        for name in ("NewGeometry", "VectorMath", "Math", "Emission", "OutputMaterial")
     )
     cosine.operation, positive.operation, positive.inputs[1].default_value = "DOT_PRODUCT", "MAXIMUM", 0.0
     tree.links.new(geometry.outputs["Normal"], cosine.inputs[0])

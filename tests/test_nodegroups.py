@@ -5,7 +5,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-
 from vgroove import nodegroups
 from vgroove.addon import gonio, headless
 from vgroove.addon.reference import (
@@ -15,6 +14,7 @@ from vgroove.addon.reference import (
     schlick,
     spherical,
 )
+from vgroove.nodegroups import beckmann_d as beckmann_group
 from vgroove.nodegroups import (
     cook_torrance_closure,
     cook_torrance_direct,
@@ -26,7 +26,6 @@ from vgroove.nodegroups import (
     shading_normal,
     vgroove_g,
 )
-from vgroove.nodegroups import beckmann_d as beckmann_group
 
 pytestmark = pytest.mark.blender
 
@@ -62,8 +61,7 @@ def test_fresnel_groups_give_the_reference_value(group_value, cosine):
     f0 = np.float64(np.float32([0.04, 0.5, 0.95]))
     # About 6 float32 operations of 6e-8, doubled for the fifth power.
     np.testing.assert_allclose(group_value(fresnel.KINDS["schlick"], "F", F0=f0, Cosine=c), schlick(c, f0), rtol=1e-6)
-    for eta in (0.6, 1.1, 1.5, 2.4):
-        eta = np.float64(np.float32(eta))
+    for eta in np.float64(np.float32([0.6, 1.1, 1.5, 2.4])):
         got = group_value(fresnel.KINDS["dielectric"], "F", IOR=eta, Cosine=c)
         # g - c rounds by 2^-24 (g + c), which counts (g + c)/(g - c) times, squared in F.
         np.testing.assert_allclose(got, np.full(3, fresnel_dielectric(c, eta)), rtol=2e-5, atol=1e-7)

@@ -7,7 +7,6 @@ import re
 
 import numpy as np
 import pytest
-
 from vgroove.addon.reference import (
     Conductor,
     CookTorrance,
@@ -348,7 +347,13 @@ def test_integers_and_float32_are_taken_as_float64():
 
 @pytest.mark.parametrize(
     ("left", "right", "shape"),
-    [((3,), (3,), (3,)), ((5, 3), (3,), (5, 3)), ((3,), (5, 3), (5, 3)), ((4, 1, 3), (5, 3), (4, 5, 3)), ((0, 3), (3,), (0, 3))],
+    [
+        ((3,), (3,), (3,)),
+        ((5, 3), (3,), (5, 3)),
+        ((3,), (5, 3), (5, 3)),
+        ((4, 1, 3), (5, 3), (4, 5, 3)),
+        ((0, 3), (3,), (0, 3)),
+    ],
 )
 def test_directions_broadcast(left, right, shape):
     """wi and wo broadcast over all but the last axis; so does every method of every model."""

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
 from vgroove.addon.reference import (
     Conductor,
     CookTorrance,
@@ -42,7 +41,7 @@ FRESNELS = [
 ]
 ANGLES = np.deg2rad([0, 10, 30, 45, 60, 70, 80, 85, 88, 89, 89.9, 89.99])
 SLOPES = [1e-6, 1e-3, 0.02, 0.1, 0.3, 0.6, 1.0, 3.0, 10.0]
-SIGMAS = [0.0, 1e-3, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.3, np.pi / 2]
+SIGMAS = [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, np.pi / 2]
 
 # The same examples in every run; a few are enough where each is a whole array of directions.
 thorough = settings(
@@ -343,8 +342,8 @@ def test_cook_torrance_never_returns_more_than_it_receives(m):
 @pytest.mark.parametrize("qualitative", [False, True])
 def test_oren_nayar_returns_at_most_what_it_receives_up_to_an_albedo_of_95_percent(sigma, qualitative):
     """Facets of albedo 0.95 or less: never more than 1, at any angle."""
-    energy = albedo(OrenNayar((0.18, 0.8, 0.95), sigma, qualitative), spherical(ANGLES))
-    assert energy.shape == (len(ANGLES), 3)
+    energy = albedo(OrenNayar((0.18, 0.8, 0.95), sigma, qualitative), spherical(ANGLES[::-2]))
+    assert energy.shape == (len(ANGLES) // 2, 3)
     assert ((energy > 0) & (energy <= 1)).all()
 
 
@@ -355,7 +354,8 @@ def test_oren_nayar_of_white_facets_gains_a_little_at_grazing_views(qualitative,
     The code keeps the paper's numbers. By hand, qualitative form seen from the horizon: tan b = tan(theta_i), so
     E = A + B (2/pi) integral of sin^2 = A + B/2 = 0.9459 + 0.1385/2 = 1.0152 for sigma = 0.2.
     """
-    energy = albedo(OrenNayar(1.0, sigma, qualitative), spherical(ANGLES))
+    energy = albedo(OrenNayar(1.0, sigma, qualitative), spherical(ANGLES[-1]))
+    assert energy.shape == (3,)
     assert energy.max() == pytest.approx(1 + excess, abs=2e-4)  # 89.99 degrees stands for the horizon
 
 

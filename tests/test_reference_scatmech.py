@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from vgroove.addon.reference import Conductor, CookTorrance, spherical
 
 TABLE = Path(__file__).parent / "data" / "scatmech.csv"

@@ -14,7 +14,6 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
-
 from vgroove.addon import headless
 
 headless.prepare()
@@ -51,7 +50,9 @@ def sheet(tiles: dict[str, Path], path: Path) -> None:
         axis.imshow(plt.imread(tile))
         axis.set_axis_off()
         axis.set_title(f"{preset.name}   F0 {' '.join(f'{value:g}' for value in f0)}   m {preset.m:g}", fontsize=11)
-    figure.suptitle(f"Cook-Torrance as its paper defines it, in Cycles: {SAMPLES} samples, estimator mirror", fontsize=12)
+    figure.suptitle(
+        f"Cook-Torrance as its paper defines it, in Cycles: {SAMPLES} samples, estimator mirror", fontsize=12
+    )
     figure.tight_layout()
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=100)
@@ -60,7 +61,9 @@ def sheet(tiles: dict[str, Path], path: Path) -> None:
 
 def agreement() -> Table:
     """Largest difference between Cycles and NumPy for each lecture material, over 10 views each."""
-    table = Table("material", "m", "direct, nodes", "direct, OSL", "bar", title="Cycles against NumPy, share of the peak")
+    table = Table(
+        "material", "m", "direct, nodes", "direct, OSL", "bar", title="Cycles against NumPy, share of the peak"
+    )
     plan = check.materials()
     for name in NAMES:
         preset = presets.find(f"lecture/{name}")

@@ -14,12 +14,16 @@ class VGROOVE_OT_apply(bpy.types.Operator):
 
     bl_idname = "vgroove.apply"
     bl_label = "Apply to Selected Objects"
+    bl_description = "Give the chosen preset to the active material slot of every selected object"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if not context.selected_objects:
             cls.poll_message_set("Select the objects that should get the material")
+            return False
+        if context.scene.vgroove.backend == "osl" and not bpy.app.build_options.cycles_osl:
+            cls.poll_message_set("This Blender was built without OSL; choose the backend Nodes")
             return False
         return True
 
@@ -48,24 +52,26 @@ class VGROOVE_OT_mend(bpy.types.Operator):
 
     bl_idname = "vgroove.mend"
     bl_label = "Mend"
+    bl_description = "Change the setting that keeps the chosen estimator from rendering as it should"
     bl_options = {"REGISTER", "UNDO"}
 
     key: bpy.props.StringProperty(
-        name="Problem", description="Which of the listed problems to mend", options={"HIDDEN"}
+        name="Problem", description="Which of the listed problems to mend; all if empty", options={"HIDDEN"}
     )
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         found = next((p for p in current_problems(context.scene) if p.key == properties.key), None)
-        return f"{found.text}. {found.button}" if found else cls.bl_label
+        return f"{found.button}. {found.text}" if found else "Press every button below at once"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        for problem in current_problems(context.scene):
-            if problem.key == self.key and problem.mend:
+        mendable = [p for p in current_problems(context.scene) if p.mend and self.key in {"", p.key}]
+        for problem in mendable:
+            if problem.mend:
                 problem.mend()
-                return {"FINISHED"}
-        self.report({"INFO"}, "Nothing to mend: the scene is as it should be")
-        return {"CANCELLED"}
+        if not mendable:
+            self.report({"INFO"}, "Nothing to mend: the scene is as it should be")
+        return {"FINISHED"} if mendable else {"CANCELLED"}
 
 
 def chosen_estimator(shown: bpy.types.Scene) -> str:

@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-import textwrap
-
+import blf
 import bpy
 
 from .. import presets
@@ -28,8 +27,10 @@ class VGROOVE_PT_material(bpy.types.Panel):
         column.prop(settings, "preset")
         column.row().prop(settings, "backend", expand=True)
         column.prop(settings, "estimator")
-        if settings.estimator == "auto":
-            column.label(text=f"Picks {operators.chosen_estimator(context.scene).title()} here")
+        picked = operators.chosen_estimator(context.scene).title()
+        split = column.split(factor=0.4)  # under the menu, and kept when nothing is picked: buttons must not jump
+        split.label()
+        split.label(text=f"Picks {picked} here" if settings.estimator == "auto" else "")
         row = layout.row()
         row.scale_y = 1.4
         row.operator("vgroove.apply", icon="MATERIAL")
@@ -54,6 +55,8 @@ class VGROOVE_PT_advice(bpy.types.Panel):
         found = operators.current_problems(context.scene)
         if not found:
             self.layout.label(text="This scene suits the choice", icon="CHECKMARK")
+        if sum(problem.mend is not None for problem in found) > 1:
+            self.layout.operator("vgroove.mend", text="Mend All", icon="CHECKMARK").key = ""
         for problem in found:
             box = self.layout.box()
             lines(box, problem.text, context.region.width, icon="ERROR")
@@ -62,12 +65,30 @@ class VGROOVE_PT_advice(bpy.types.Panel):
 
 
 def lines(layout: bpy.types.UILayout, text: str, width: int, icon: str = "NONE") -> None:
-    """A text broken to the region's width; labels do not wrap by themselves."""
+    """A text broken to the region's width; labels do not wrap by themselves.
+
+    A boxed label with an icon has 98 pixels less than the region, a plain one 68 (seen at scale 1 in Blender 5.2).
+    """
     scale = bpy.context.preferences.system.ui_scale
+    room = width - (98 if icon != "NONE" else 68) * scale
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for index, line in enumerate(textwrap.wrap(text, max(20, int(width / scale / 7.5)))):
+    for index, line in enumerate(wrapped(text, room, scale)):
         column.label(text=line, icon=icon if index == 0 else "BLANK1" if icon != "NONE" else "NONE")
+
+
+def wrapped(text: str, room: float, scale: float) -> list[str]:
+    """``text`` in lines no wider than ``room`` pixels as Blender's own font draws them; one word at the least."""
+    points = bpy.context.preferences.ui_styles[0].widget.points * scale
+    blf.size(0, points)
+    rows: list[str] = []
+    for word in text.split():
+        longer = f"{rows[-1]} {word}" if rows else word
+        if rows and blf.dimensions(0, longer)[0] <= room:
+            rows[-1] = longer
+        else:
+            rows.append(word)
+    return rows
 
 
 CLASSES = (VGROOVE_PT_material, VGROOVE_PT_advice)

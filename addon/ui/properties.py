@@ -8,11 +8,17 @@ import bpy
 from .. import presets
 
 BACKENDS = (
-    ("nodes", "Nodes", "Plain shader nodes: every device, and EEVEE shows them", "NODETREE", 0),
+    (
+        "nodes",
+        "Nodes",
+        "Plain shader nodes: every device; EEVEE shows Closure and Direct smoothly, Mirror as grain",
+        "NODETREE",
+        0,
+    ),
     ("osl", "OSL", "Open Shading Language: CPU and OptiX only; switch it on in the render properties", "SCRIPT", 1),
 )
 ESTIMATORS = (
-    ("auto", "Automatic", "Mirror where its rays can hit every light, else Closure", 0),
+    ("auto", "Automatic", "Mirror where its rays readily hit every light, else Closure", 0),
     (
         "closure",
         "Closure",
@@ -20,19 +26,22 @@ ESTIMATORS = (
         1,
     ),
     ("mirror", "Mirror", "Exact: a random facet for each sample. Lamps of zero size are added by the formula", 2),
-    ("direct", "Direct", "Exact and free of noise, for the scene's four strongest lamps alone", 3),
+    ("direct", "Direct", "Exact and free of noise, for the four strongest lamps alone: no world, no reflections", 3),
 )
 
 _items: list[tuple[str, str, str, int]] = []  # Blender keeps no reference to the texts of a dynamic enum
+
+
+def _tip(preset: presets.Preset) -> str:
+    numbers = ", ".join(f"{key} {value}" for key, value in preset.parameters.items())
+    return f"Reflection of {preset.name.lower()}: {numbers}. Source: {preset.source['data']}. {preset.notes}".strip()
 
 
 def preset_items(_self: object, _context: object) -> list[tuple[str, str, str, int]]:
     """Enum items of all presets, read from disk once."""
     if not _items:
         found = presets.all_presets().values()
-        _items.extend(
-            (p.id, f"{p.name} ({p.family})", f"{p.source['data']}. {p.notes}".strip(), i) for i, p in enumerate(found)
-        )
+        _items.extend((p.id, f"{p.name} ({p.family})", _tip(p), i) for i, p in enumerate(found))
     return _items
 
 

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line's contract: exit codes, one line for bad input, whole files or none."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from vgroove.addon.reference import CookTorrance, Schlick, albedo
+
+
+def vgroove(*arguments, cwd=None):
+    """Run the command as a user does."""
+    command = [str(Path(sys.executable).parent / "vgroove"), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False)
+
+
+def test_presets_as_json_hold_the_contract():
+    """A list of {id, name, family, model, parameters, source}."""
+    done = vgroove("presets", "copper", "--json")
+    assert done.returncode == 0
+    (preset,) = json.loads(done.stdout)
+    assert set(preset) == {"id", "name", "family", "model", "parameters", "source"}
+    assert preset["id"] == "lecture/copper"
+    assert preset["parameters"]["f0"] == [0.95, 0.64, 0.54]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["render", "coper", "-o", "a.png"], 'unknown preset "coper"; did you mean "copper"?'),
+        (["render", "copper", "-o", "a.gif"], "a.gif: unknown ending; use .exr"),
+        (["render", "copper", "-o", "no/a.png"], "no/a.png: the folder"),
+        (["render", "copper"], "Missing option"),
+        (["render", "copper", "-o", "a.png", "--resolution", "64"], 'resolution "64": write WIDTHxHEIGHT'),
+        (["render", "copper", "-o", "a.png", "--resolution", "0x5"], 'resolution "0x5"'),
+        (["render", "copper", "-o", "a.png", "--set", "m"], '--set "m": write NAME=NUMBER'),
+        (["render", "copper", "-o", "a.png", "--set", "m=-1"], "m must be between"),
+        (["render", "copper", "-o", "a.png", "--set", "m=nan"], "m must be between"),
+        (["render", "copper", "-o", "a.png", "--set", "q=1"], 'unknown key "q"'),
+        (["render", "copper", "-o", "a.png", "--time", "1"], "does not change over time"),
+        (["render", "copper", "-o", "a.png", "--frames", "1-3"], "needs #### in the file name"),
+        (["render", "copper", "-o", "a_##.png", "--frames", "3-1"], "write FIRST-LAST"),
+        (["render", "copper", "-o", "a.png", "--assign", "Ball=copper"], "--assign goes with a SCENE.blend"),
+        (["render", "copper", "-o", "a.png", "--estimator", "magic"], "--estimator"),
+        (["render", "none.blend", "-o", "a.png"], "none.blend: no such scene"),
+        (["render", "broken.blend", "-o", "a.png"], "broken.blend: cannot be opened as a .blend"),
+        (["measure", "copper", "-o", "a.exr"], "give either --theta-i DEG or --furnace"),
+        (["measure", "copper", "--theta-i", "95", "-o", "a.exr"], "--theta-i"),
+        (["measure", "copper", "--theta-i", "5", "-o", "a.png"], "measurements are EXR files"),
+        (["measure", "copper", "--theta-i", "5", "--estimator", "mirror", "-o", "a.exr"], "sun of zero size"),
+        (["measure", "copper", "--furnace", "--estimator", "direct", "-o", "a.exr"], "takes lamps as points"),
+        (["measure", "copper", "--furnace", "--window", "5", "-o", "a.exr"], "--furnace has no sun"),
+        (["frobnicate"], "No such command"),
+    ],
+    ids=lambda value: "_".join(value)[:40] if isinstance(value, list) else "",
+)
+def test_bad_input_is_one_line_and_exit_2(tmp_path, arguments, message):
+    """What, where, how to mend it; nothing on standard output, nothing written."""
+    (tmp_path / "broken.blend").write_bytes(b"this is no blend file")
+    before = sorted(tmp_path.iterdir())
+    done = vgroove(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith("vgroove: ")
+    assert message in lines[0]
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def read_exr(path):
+    import OpenImageIO as oiio
+
+    file = oiio.ImageInput.open(str(path))
+    return file.read_image("float"), file.spec()
+
+
+@pytest.mark.blender
+def test_measure_writes_the_brdf_with_its_story(tmp_path):
+    """Pixel (x, y) is phi_o = 2 pi (x + .5)/W, theta_o = (pi/2)(y + .5)/H; parameters are in the attributes."""
+    path = tmp_path / "f.exr"
+    done = vgroove("measure", "copper", "--theta-i", "45", "--set", "m=0.2", "--resolution", "32x16", "-o", path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == ""
+    image, spec = read_exr(path)
+    assert image.shape == (16, 32, 3)
+    assert spec.channelnames == ("R", "G", "B")
+    assert str(spec.format) == "float"
+    theta, phi = np.pi / 2 * (np.arange(16) + 0.5)[:, None] / 16, 2 * np.pi * (np.arange(32) + 0.5) / 32
+    wo = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)), axis=-1)
+    wi = [np.sin(np.pi / 4), 0.0, np.cos(np.pi / 4)]
+    expected = CookTorrance(0.2, Schlick((0.95, 0.64, 0.54))).evaluate(wi, wo)
+    np.testing.assert_allclose(image, expected, atol=2e-5 * expected.max())
+    assert spec.get_string_attribute("vgroove:preset") == "lecture/copper"
+    assert json.loads(spec.get_string_attribute("vgroove:parameters"))["m"] == 0.2
+    assert spec.get_string_attribute("vgroove:estimator") == "direct"
+    assert spec.get_string_attribute("vgroove:backend") == "nodes"
+    assert spec.get_int_attribute("vgroove:samples") == 1
+    assert spec.get_float_attribute("vgroove:seconds") > 0
+    assert "blender" in json.loads(spec.get_string_attribute("vgroove:versions"))
+
+
+@pytest.mark.blender
+def test_measure_furnace_gives_the_albedo(tmp_path):
+    """The mean over the image agrees with quadrature within 4 standard errors."""
+    path = tmp_path / "e.exr"
+    done = vgroove(
+        "measure", "copper", "--furnace", "--samples", "256", "--resolution", "16x16", "--backend", "osl", "-o", path
+    )
+    assert done.returncode == 0, done.stderr
+    image, _ = read_exr(path)
+    theta = np.pi / 2 * (np.arange(16) + 0.5) / 16
+    column = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1)
+    expected = albedo(CookTorrance(0.3, Schlick((0.95, 0.64, 0.54))), column)
+    # A weight in [0, 1] of mean E has a variance of at most E (1 - E).
+    error = np.sqrt((expected * (1 - expected)).mean() / (256 * 256))
+    assert abs(image.mean() - expected.mean()) < 4 * error
+
+
+@pytest.mark.blender
+def test_render_a_preset_to_exr_and_the_same_again(tmp_path):
+    """Same task, same pixels; another seed, other pixels."""
+    paths = [tmp_path / f"{name}.exr" for name in "abc"]
+    for path, seed in zip(paths, (7, 7, 8), strict=True):
+        done = vgroove("render", "copper", "--samples", "2", "--resolution", "48x32", "--seed", seed, "-o", path)
+        assert done.returncode == 0, done.stderr
+        assert done.stderr.strip() == f"wrote {path}"
+    first, again, other = (read_exr(path)[0] for path in paths)
+    assert first.shape == (32, 48, 3)
+    assert first.max() > 0.1
+    np.testing.assert_array_equal(first, again)
+    assert (first != other).any()
+    assert sorted(tmp_path.iterdir()) == paths  # nothing temporary is left
+
+
+@pytest.fixture
+def scene_file(blender, tmp_path):
+    """A .blend with a plane "Floor" in view, a sun of zero size and a lamp-free second frame."""
+    stage = blender.context.scene
+    stage.render.engine = "CYCLES"
+    stage.render.resolution_x, stage.render.resolution_y = 32, 24
+    stage.cycles.samples = 1
+    mesh = blender.data.meshes.new("Floor")
+    mesh.from_pydata([(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], [], [(0, 1, 2, 3)])
+    stage.collection.objects.link(blender.data.objects.new("Floor", mesh))
+    camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+    camera.location = (0, 0, 4)
+    sun = blender.data.lights.new("Sun", "SUN")
+    sun.angle = 0.0
+    stage.collection.objects.link(blender.data.objects.new("Sun", sun))
+    stage.collection.objects.link(camera)
+    stage.camera = camera
+    path = tmp_path / "scene.blend"
+    blender.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("backend", ["nodes", "osl"])
+@pytest.mark.parametrize("estimator", ["closure", "mirror", "direct", "auto"])
+def test_render_a_scene_with_an_assigned_preset(scene_file, tmp_path, backend, estimator):
+    """The assigned floor shines head-on; the scene's own size is kept."""
+    path = tmp_path / "a.exr"
+    done = vgroove(
+        "render", scene_file, "--assign", "Floor=copper", "--backend", backend, "--estimator", estimator, "-o", path
+    )
+    assert done.returncode == 0, done.stderr
+    image, _ = read_exr(path)
+    assert image.shape == (24, 32, 3)
+    assert image[12, 16, 0] > 0.2
+    assert image[12, 16, 0] > image[12, 16, 2]  # copper
+
+
+@pytest.mark.blender
+def test_an_unknown_object_is_named_with_what_there_is(scene_file, tmp_path):
+    done = vgroove("render", scene_file, "--assign", "Flor=copper", "-o", tmp_path / "a.png")
+    assert done.returncode == 2
+    assert done.stderr.strip() == (
+        'vgroove: --assign "Flor=lecture/copper": the scene has no object of that name; it has Floor'
+    )
+
+
+@pytest.mark.blender
+def test_frames_are_numbered(scene_file, tmp_path):
+    done = vgroove("render", scene_file, "--assign", "Floor=copper", "--frames", "2-3", "-o", tmp_path / "f_####.png")
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["f_0002.png", "f_0003.png"]
+
+
+@pytest.mark.blender
+def test_check_exits_0_and_writes_json(tmp_path):
+    """--quick measures one slope a kind."""
+    path = tmp_path / "check.json"
+    done = vgroove("check", "--quick", "--json", path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    content = json.loads(path.read_text())
+    assert all(row["passed"] for row in content["rows"])
+    assert {row["test"] for row in content["rows"]} >= {"direct", "closure", "mirror, furnace", "direct, sphere"}
+    assert f"{len(content['rows'])} rows passed, 0 failed" in done.stdout
+
+
+@pytest.mark.blender
+def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
+    """A reference that is 1 % off ends in exit code 1."""
+    from vgroove.addon import check, cli
+
+    monkeypatch.setattr(check, "plan", lambda: [(check.direct_row, (check.SETUPS[0], "schlick", 0.3))])
+    original = check.direct_row
+    monkeypatch.setattr(
+        check, "plan", lambda: [(lambda *a: original(*a).scaled(1.01), (check.SETUPS[0], "schlick", 0.3))]
+    )
+    assert cli._run(lambda: cli.app(["check"], standalone_mode=False)) == 1

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets: the lecture's six to the digit, and one clear line for whatever is wrong with a file."""
+
+import pytest
+from vgroove.addon import presets
+from vgroove.addon.presets import PresetError, find, load, load_folder, parse
+
+GOOD = 'name = "A"\nmodel = "cook_torrance"\nm = 0.3\n[fresnel]\nf0 = [0.9, 0.6, 0.5]\n[source]\ndata = "somewhere"\n'
+
+LECTURE = {
+    "water": (0.02, 0.02, 0.02),
+    "plastic": (0.05, 0.05, 0.05),
+    "glass": (0.08, 0.08, 0.08),
+    "diamond": (0.17, 0.17, 0.17),
+    "copper": (0.95, 0.64, 0.54),
+    "aluminium": (0.91, 0.92, 0.92),
+}
+
+
+@pytest.mark.parametrize(("name", "f0"), LECTURE.items())
+def test_the_lecture_table_is_kept_to_the_digit(name, f0):
+    """F0 as printed, found by bare name and by id."""
+    preset = find(name)
+    assert preset.parameters["f0"] == f0
+    assert preset is find(f"lecture/{name}")
+    assert preset.source["data"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("m = 0.3", "m = 0", None),
+        ("m = 0.3", "m = 20.0", "x.toml: m must be between 0.0001 and 10 .*got 20"),
+        ("m = 0.3", "m = -1", "x.toml: m must be between"),
+        ("m = 0.3", "m = nan", "x.toml: m must be between .* got nan"),
+        ("m = 0.3", 'm = "rough"', "x.toml: m must be a number, got 'rough'"),
+        ("m = 0.3", "m = true", "x.toml: m must be a number, got True"),
+        ("m = 0.3", "", 'x.toml: "m" is missing; add m = 0.3'),
+        ("m = 0.3", "m = 0.3\nslope = 1", 'x.toml: unknown key "slope"'),
+        ("m = 0.3", "m = 0.3\nsorce = 1", 'x.toml: unknown key "sorce"; did you mean "source"?'),
+        ("0.9,", "1.1,", "x.toml: f0 must be between 0 and 1, got 1.1"),
+        ("[0.9, 0.6, 0.5]", "[0.9, 0.6]", "x.toml: f0 must be one number or three"),
+        ("f0 = [0.9, 0.6, 0.5]", "n = 1", r"x.toml: \[fresnel\] must hold f0, or eta, or n and k; got n"),
+        ("f0 = [0.9, 0.6, 0.5]", "", r"x.toml: \[fresnel\] must hold .*got nothing"),
+        ("f0 = [0.9, 0.6, 0.5]", "eta = 0.01", "x.toml: eta must be between 0.1 and 10, got 0.01"),
+        ("cook_torrance", "phong", 'x.toml: unknown model "phong"; use one of cook_torrance'),
+        ('data = "somewhere"', 'data = " "', r'x.toml: \[source\] has no "data"'),
+        ('[source]\ndata = "somewhere"', "", 'x.toml: "source" is missing'),
+        ('"A"', '"A', "x.toml: not valid TOML"),
+        ('name = "A"', 'name = "A"\nname = "B"', "x.toml: not valid TOML"),
+    ],
+)
+def test_a_bad_file_is_one_line_with_file_and_key(old, new, message):
+    """What is wrong, where, and the value; nothing else comes up."""
+    text = GOOD.replace(old, new)
+    if message is None:
+        assert parse(text, "t/x", "x.toml").m == 0
+        return
+    with pytest.raises(PresetError, match=message) as caught:
+        parse(text, "t/x", "x.toml")
+    assert "\n" not in str(caught.value)
+
+
+def test_two_files_of_one_id_are_refused(tmp_path):
+    """Names that differ only in case would be one file on some systems."""
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "x.toml").write_text(GOOD)
+    (tmp_path / "a" / "X.toml").write_text(GOOD)
+    with pytest.raises(PresetError, match="duplicate id"):
+        load_folder(tmp_path)
+
+
+def test_an_unreadable_file_is_one_line(tmp_path):
+    """Missing, or not text."""
+    with pytest.raises(PresetError, match="cannot be read"):
+        load(tmp_path / "none.toml")
+    (tmp_path / "b.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(PresetError, match="cannot be read"):
+        load(tmp_path / "b.toml")
+
+
+def test_unknown_names_suggest_what_is_near():
+    with pytest.raises(PresetError, match='unknown preset "coper"; did you mean "copper"'):
+        find("coper")
+    with pytest.raises(PresetError, match='"vgroove presets" lists them'):
+        find("zzzzzz")
+
+
+def test_parameters_change_within_their_ranges():
+    """--set goes through the same checks as a file."""
+    changed = find("copper").with_parameters(m=0.5, f0=0.2)
+    assert changed.parameters == {"m": 0.5, "f0": (0.2, 0.2, 0.2)}
+    assert find("copper").m == 0.3
+    with pytest.raises(PresetError, match='preset lecture/copper: unknown key "eta"'):
+        find("copper").with_parameters(eta=1.5)
+
+
+def test_search_looks_into_names_and_tags():
+    assert [preset.id for preset in presets.search("metal")] == ["lecture/aluminium", "lecture/copper"]
+    assert len(presets.search("")) >= len(LECTURE)
+    assert presets.search("no such thing") == []
