@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import bpy
 
 Number: TypeAlias = "Value | float | tuple[float, float, float]"  # what arithmetic takes
-COLUMN_WIDTH, ROW_HEIGHT = 190, 170
+COLUMN_WIDTH = 190
 
 
 class Value:
@@ -144,7 +144,7 @@ class Tree:
     def frame(self, label: str) -> Iterator[None]:
         """Nodes made inside are drawn in one labelled frame, titled by the term of the equation they hold."""
         self._frame = self.node_tree.nodes.new("NodeFrame")
-        self._frame.label = label
+        self._frame.label, self._frame.label_size = label, 40
         yield
         self._frame = None
 
@@ -202,29 +202,41 @@ class Tree:
         return Value(self, self._cached["geometry"].outputs[name])
 
     def arrange(self) -> None:
-        """Place nodes in columns by how much stands before them, so that the group reads from left to right."""
-        depth: dict[bpy.types.Node, int] = {}
-
-        def depth_of(node: bpy.types.Node) -> int:
-            if node not in depth:
-                before = [link.from_node for socket in node.inputs for link in socket.links]
-                depth[node] = 1 + max((depth_of(other) for other in before), default=-1)
-            return depth[node]
-
+        """Place nodes in columns, each just before what it feeds, so that the group reads from left to right."""
         nodes = [node for node in self.node_tree.nodes if node.bl_idname != "NodeFrame"]
-        for node in nodes:
-            depth_of(node)
-        depth[self._output] = max(depth.values()) + 1
-        frames = [None, *(node for node in self.node_tree.nodes if node.bl_idname == "NodeFrame")]
+        fed: dict[bpy.types.Node, set[bpy.types.Node]] = {node: set() for node in nodes}
+        for link in self.node_tree.links:
+            fed[link.from_node].add(link.to_node)
+        steps: dict[bpy.types.Node, int] = {}
+
+        def steps_to_end(node: bpy.types.Node) -> int:
+            if node not in steps:
+                steps[node] = 1 + max((steps_to_end(other) for other in fed[node]), default=-1)
+            return steps[node]
+
+        first = max(map(steps_to_end, nodes))
+        steps[self._input] = first
+        for node in nodes:  # what a Geometry node does not give here only hides what lies below it
+            if node.bl_idname == "ShaderNodeNewGeometry":
+                for socket in node.outputs:
+                    socket.hide = not socket.is_linked
         top = 0.0
-        for frame in frames:  # one band of rows for each frame
-            rows: dict[int, int] = {}
-            members = [node for node in nodes if node.parent == frame]
-            for node in members:
-                column = depth[node]
-                node.location = (column * COLUMN_WIDTH, top - rows.get(column, 0) * ROW_HEIGHT)
-                rows[column] = rows.get(column, 0) + 1
-            top -= max(rows.values(), default=0) * ROW_HEIGHT + 80
+        for frame in (None, *(node for node in self.node_tree.nodes if node.bl_idname == "NodeFrame")):
+            bottom: dict[int, float] = {}  # of each column in this frame's band
+            for node in nodes:
+                if node.parent == frame:
+                    column = first - steps[node]
+                    node.location = (column * COLUMN_WIDTH, bottom.get(column, top))
+                    bottom[column] = node.location.y - _height(node) - 20
+            top = min(bottom.values(), default=top) - 80
+
+
+def _height(node: bpy.types.Node) -> float:
+    """About how tall Blender draws a node; it knows only once it has drawn it."""
+    shown = [socket for socket in (*node.inputs, *node.outputs) if socket.enabled and not socket.hide]
+    vectors = sum(s.type == "VECTOR" and not s.is_output and not s.is_linked and not s.hide_value for s in shown)
+    menus = sum(hasattr(node, name) for name in ("operation", "distribution", "fresnel_type", "data_type"))
+    return 40 + 22 * (len(shown) + 3 * vectors) + 26 * menus
 
 
 def minimum(a: Value, b: Number) -> Value:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a sun, point or spot lamp of no size sends to the shaded point; the inputs are driven by the lamp.
 
-Cycles' units: a sun's strength is its irradiance in W/m^2; a point's or spot's power P in W is the radiant intensity
-P / (4 pi) in W/sr, over pi, as Blender counts lamp power: radiance of a white diffuse surface is P / (4 pi^2 d^2).
+Cycles' units: a sun's strength is its irradiance in W/m^2 across the beam; a point or spot of power P in W gives
+P / (4 pi d^2) at distance d, as if it shone evenly in all directions (the spot's cone does not concentrate it).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def build(tree: Tree, kind: str, *, shadows: bool) -> None:
     if kind == "SUN":
         wi, distance = normalize(inputs["Axis"]), None
     else:
-        with tree.frame("I = P / (4 pi^2), falling with distance squared"):
+        with tree.frame("Irradiance P / (4 pi d^2)"):
             offset = inputs["Position"] - P
             wi, distance = normalize(offset), length(offset)
             irradiance = irradiance / (4.0 * pi * distance * distance)

@@ -195,7 +195,7 @@ def test_reflectances_are_refused_outside_0_to_1(bad, complaint):
     """F0 and albedo, one number or a colour."""
     with refuses(f"f0 {complaint}"):
         Schlick(bad)
-    for make in (lambda x: Lambert(x), lambda x: OrenNayar(x, 0.3), lambda x: oren_nayar(UP, UP, x, 0.3)):
+    for make in (Lambert, lambda x: OrenNayar(x, 0.3), lambda x: oren_nayar(UP, UP, x, 0.3)):
         with refuses(f"albedo {complaint}"):
             make(bad)
 

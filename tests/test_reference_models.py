@@ -235,7 +235,7 @@ def test_fresnel_has_its_textbook_values(eta):
     brewster = 1 / np.sqrt(1 + eta**2)
     # There refracted and reflected ray are at right angles, and r_s = (1 - eta^2)/(1 + eta^2).
     expected = 0.5 * ((1 - eta**2) / (1 + eta**2)) ** 2
-    # eta^2 - 1 by subtraction, as here, has an absolute rounding of 1.1e-16: relatively 1.1e-13 at 1.001, squared 2.2e-13.
+    # 1 - eta^2 by subtraction, as here, has an absolute rounding of 1.1e-16: relatively 5e-14 at 1.001, squared 1e-13.
     assert fresnel_dielectric(brewster, eta) == pytest.approx(expected, rel=1e-12)
 
 
@@ -314,10 +314,10 @@ def test_models_are_isotropic(wi, wo, turn, m):
     c, s = np.cos(turn), np.sin(turn)
     matrix = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     h = (wi + wo) / np.linalg.norm(wi + wo)
-    x = np.sum((h[:2] / h[2]) ** 2) / m**2
-    # Turning rounds x and y by 3e-16 each. In exp(-x), x = tan^2/m^2, that is 2 x 3e-16 / sin(h); elsewhere 3e-16 / (v.h)
-    # a few times over. Beyond x = 30 D has lost 13 orders of magnitude.
-    if x > 30 or np.linalg.norm(wi + wo) < 0.1:
+    t = np.sum((h[:2] / h[2]) ** 2) / m**2
+    # Turning rounds x and y by 3e-16 each. exp(-t), t = tan^2/m^2, makes of that 2 t 3e-16 / sin(h), the other terms a
+    # few times 3e-16 / (v.h). Beyond t = 30 D has lost 13 orders of magnitude.
+    if t > 30 or np.linalg.norm(wi + wo) < 0.1:
         return
     for model in (CookTorrance(m, Schlick((0.04, 0.5, 1.0))), OrenNayar(0.5, 0.4), Lambert(0.5)):
         expected = model.evaluate(wi, wo)

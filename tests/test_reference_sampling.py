@@ -176,7 +176,7 @@ def test_chi_square_sees_a_slope_wrong_by_four_percent(case):
     assert chi_square(model, wo, wi) < sidak(len(CASES))
 
 
-@pytest.mark.parametrize("case", [ROUGH[1], ROUGH[10], ROUGH[13]], ids=name)
+@pytest.mark.parametrize("case", [ROUGH[1], ROUGH[13]], ids=name)
 def test_chi_square_sees_a_slope_wrong_by_one_percent(case):
     """With 1e6 draws also 1 % in m."""
     model, view = case

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from vgroove.addon.reference import Conductor, CookTorrance, spherical
+from vgroove.addon.reference import Conductor, CookTorrance, spherical, vgroove_g
 
 TABLE = Path(__file__).parent / "data" / "scatmech.csv"
 COLUMNS = ["theta_i_deg", "theta_o_deg", "phi_deg", "m", "n", "k", "f"]
@@ -22,8 +22,14 @@ def table():
     return dict(zip(COLUMNS, rows.T, strict=True))
 
 
+def directions(table):
+    """wi in the plane of x and z, wo at the azimuth given."""
+    wi = spherical(np.deg2rad(table["theta_i_deg"]))
+    return wi, spherical(np.deg2rad(table["theta_o_deg"]), np.deg2rad(table["phi_deg"]))
+
+
 def test_table_covers_lobes_angles_and_materials(table):
-    """At least 200 rows, from narrow to wide lobes, to grazing, dielectrics and metals, light inside the lobe and out."""
+    """At least 200 rows: narrow and wide lobes, to grazing, dielectrics and metals, G cut on both sides and not."""
     assert table["f"].size >= 200
     assert table["f"].min() > 0
     assert np.unique(table["m"]).size >= 5
@@ -32,12 +38,16 @@ def test_table_covers_lobes_angles_and_materials(table):
     assert table["theta_i_deg"].max() > 85
     assert (table["k"] == 0).sum() > 50
     assert (table["k"] > 1).sum() > 50
+    G = vgroove_g(*directions(table))
+    assert G.shape == table["f"].shape
+    assert (G == 1).sum() > 50
+    assert ((G < 1) & (table["theta_i_deg"] > table["theta_o_deg"])).sum() > 20
+    assert ((G < 1) & (table["theta_i_deg"] < table["theta_o_deg"])).sum() > 20
 
 
 def test_cook_torrance_agrees_with_scatmech(table):
     """Every row, with D, G, F and the 1/4 in place of the 1/pi of 1982, to 1e-11 relative."""
-    wi = spherical(np.deg2rad(table["theta_i_deg"]))
-    wo = spherical(np.deg2rad(table["theta_o_deg"]), np.deg2rad(table["phi_deg"]))
+    wi, wo = directions(table)
     got = np.array(
         [
             CookTorrance(m, Conductor(n, k)).evaluate(light, view)
@@ -51,8 +61,7 @@ def test_cook_torrance_agrees_with_scatmech(table):
 
 def test_cook_torrance_takes_the_whole_table_at_once(table):
     """m and the index as arrays give what one row at a time gives."""
-    wi = spherical(np.deg2rad(table["theta_i_deg"]))
-    wo = spherical(np.deg2rad(table["theta_o_deg"]), np.deg2rad(table["phi_deg"]))
+    wi, wo = directions(table)
     n, k = (np.repeat(table[name][:, None], 3, axis=1) for name in ("n", "k"))
     got = CookTorrance(table["m"], Conductor(n, k)).evaluate(wi, wo)
     assert got.shape == (table["f"].size, 3)
