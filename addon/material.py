@@ -158,10 +158,9 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Cho
 
 
 def _show_in_solid_view(material: Material, preset: Preset) -> None:
-    """Colour, metal and roughness for viewports that do not run the shader."""
+    """The colour head-on and the roughness, for viewports that do not run the shader."""
     f0 = preset.reference_fresnel()(1.0)
     material.diffuse_color = (*(float(channel) for channel in f0), 1.0)
-    material.metallic = 1.0
     material.roughness = min(1.0, preset.m**0.5)
 
 

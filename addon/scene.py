@@ -78,9 +78,7 @@ def _mirror_problems(scene: Scene) -> Iterator[Problem]:
         yield Problem("world", text, "Sample the World", lambda: _set(world.cycles, sampling_method="AUTOMATIC"))
     small = [item for item in sought if lamps.size(item) > 0.0 and is_small(item)]
     if small:
-        text = (
-            f"Mirror seldom hits small lamps, so they are very noisy: {_names(small)}. Size 0 has no noise: it is bound"
-        )
+        text = f"Mirror seldom hits small lamps and is noisy: {_names(small)}. Of size 0 they are bound when you apply"
         yield Problem("small", text, "Set Their Size to 0", lambda: _set_size(small, 0.0))
     if cycles.use_adaptive_sampling:
         text = "Noise Threshold stops pixels that have not yet found a light, which darkens Mirror"

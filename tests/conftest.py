@@ -2,6 +2,7 @@
 """Blender is prepared before anything imports it; each Blender test starts from an empty file."""
 
 import pytest
+
 from vgroove.addon import headless
 
 headless.prepare()

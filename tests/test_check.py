@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+
 from vgroove.addon import check, gonio, headless
 from vgroove.addon.reference import Schlick, cook_torrance
 from vgroove.nodegroups import beckmann_d, osl_script, random_numbers, vgroove_g

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from vgroove.addon.reference import CookTorrance, Schlick, albedo
 
 

@@ -6,6 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
+
 from vgroove import nodegroups
 from vgroove.addon import check, gonio, headless, lamps, material, scene
 from vgroove.nodegroups import lamp as lamp_group

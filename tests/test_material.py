@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from vgroove.addon import check, gonio, headless, material, presets, scene
 from vgroove.addon.material import Choice, MaterialError, build
 

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+
 from vgroove import nodegroups
 from vgroove.addon import gonio, headless
 from vgroove.addon.reference import (

@@ -2,6 +2,7 @@
 """Presets: the lecture's six to the digit, and one clear line for whatever is wrong with a file."""
 
 import pytest
+
 from vgroove.addon import presets
 from vgroove.addon.presets import PresetError, find, load, load_folder, parse
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy import integrate, special, stats
+
 from vgroove.addon.reference import (
     Conductor,
     CookTorrance,

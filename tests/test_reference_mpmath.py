@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from mpmath import mp, mpf, workdps
+
 from vgroove.addon.reference import (
     Conductor,
     CookTorrance,

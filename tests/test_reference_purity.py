@@ -10,6 +10,7 @@ import subprocess
 import sys
 
 import pytest
+
 from vgroove.addon import reference
 
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys(['bpy', 'mathutils', 'scipy', 'mpmath', 'rich', 'typer']))\n"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy import stats
+
 from vgroove.addon.reference import (
     Conductor,
     CookTorrance,

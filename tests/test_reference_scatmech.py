@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from vgroove.addon.reference import Conductor, CookTorrance, spherical, vgroove_g
 
 TABLE = Path(__file__).parent / "data" / "scatmech.csv"

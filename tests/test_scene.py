@@ -2,6 +2,7 @@
 """What is wrong with a scene for an estimator is said, and its button mends it."""
 
 import pytest
+
 from vgroove.addon import headless, scene
 
 pytestmark = pytest.mark.blender

@@ -2,6 +2,7 @@
 """The panel: registers and leaves nothing behind, applies to the selection, and is explained everywhere."""
 
 import pytest
+
 import vgroove
 from vgroove.addon import headless
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
+
 from vgroove.addon import headless
 
 headless.prepare()
@@ -23,6 +24,7 @@ import matplotlib as mpl  # noqa: E402 - after prepare(), which Blender's own mo
 mpl.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402
+
 from vgroove.addon import check, material, presets, scene  # noqa: E402
 
 NAMES = ("water", "plastic", "glass", "diamond", "copper", "aluminium")

@@ -7,6 +7,7 @@ python tools/errata.py            prints them; tests/test_errata.py holds the do
 from __future__ import annotations
 
 import numpy as np
+
 from vgroove.addon.reference import beckmann_d, fresnel_dielectric, spherical
 
 
