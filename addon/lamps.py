@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 if TYPE_CHECKING:
-    from bpy.types import FCurve, Node, NodeSocket, Object
+    from bpy.types import Node, NodeSocket, Object
 
 LIMIT = 4
 KINDS = ("SUN", "POINT", "SPOT")
@@ -100,21 +100,6 @@ def bind(node: Node, lamp: Object) -> None:
     for name, path in (("Size", "data.spot_size"), ("Blend", "data.spot_blend")):
         if name in node.inputs:
             _drive(node.inputs[name], -1, lamp, "v", {"v": path})
-
-
-def bound(material: bpy.types.Material) -> list[Object | None]:
-    """The lamps that drive ``material``, in order; None for one that was deleted."""
-    animation = material.node_tree.animation_data
-    curves = animation.drivers if animation else []
-    return [_lamp_of(curve) for curve in curves if 'inputs["Strength"]' in curve.data_path or _is_gated(curve)]
-
-
-def _is_gated(curve: FCurve) -> bool:
-    return any(variable.type == "CONTEXT_PROP" for variable in curve.driver.variables)
-
-
-def _lamp_of(curve: FCurve) -> Object | None:
-    return next(v.targets[0].id for v in curve.driver.variables if v.type == "SINGLE_PROP")
 
 
 def _drive(

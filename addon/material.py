@@ -14,6 +14,7 @@ import bpy
 from .. import nodegroups
 from ..nodegroups import cook_torrance_closure, cook_torrance_direct, cook_torrance_mirror, fresnel, lamp
 from . import lamps as lamp_binding
+from .presets import M_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -79,7 +80,8 @@ def build(preset: Preset, choice: Choice) -> Material:
     tree.nodes.clear()
     node = _group_node(tree, group, preset.name)
     for name, value in preset.parameters.items():
-        _set(node, SOCKETS[name], value)
+        # m = 0, a smooth interface, is what float32 can hold of it
+        _set(node, SOCKETS[name], max(preset.m, M_RANGE[0]) if name == "m" else value)
     for index, one in enumerate(choice.lamps, 1):
         _bind(tree, node, index, one, choice)
     output = tree.nodes.new("ShaderNodeOutputMaterial")

@@ -134,6 +134,22 @@ def test_direct_stays_finite_and_not_negative(blender, setup, fresnel, m, theta_
     assert image.max() > 0.0 or m < 0.3  # narrow lobes fit between two pixels
 
 
+@pytest.mark.parametrize("estimator", ["direct", "closure"])
+@pytest.mark.parametrize("fresnel", ["schlick", "dielectric", "conductor"])
+@pytest.mark.parametrize("m", [0.02, 0.1, 0.3, 1.0])
+def test_osl_and_node_groups_agree_with_each_other(blender, estimator, fresnel, m):
+    """Within the bars that each has toward the reference, on the hemisphere and around the mirror direction."""
+    preset = check.materials()[fresnel].with_parameters(m=m)
+    nodes, osl = check.SETUPS[0], check.SETUPS[2]
+    off = max(check.fresnel_approximation(setup, fresnel) for setup in (nodes, osl)) if estimator == "closure" else 0.0
+    bar = off or (check.direct_bar(m) if estimator == "direct" else check.closure_bar(m))
+    F = Schlick(1.0) if off else preset.reference_fresnel()  # an approximate F is judged against a lobe of F = 1
+    for geometry in (gonio.Geometry(45.0), gonio.Geometry(70.0, 5.0)):
+        images = [check._measure(preset, setup, estimator, geometry, samples=1) for setup in (nodes, osl)]
+        peak = cook_torrance(geometry.wi(), geometry.wo(), m, F).max()
+        assert np.abs(images[0] - images[1]).max() <= bar * peak
+
+
 def test_gonio_pixels_look_where_they_say(blender):
     """The pixel of the mirror direction is brightest, and phi_o runs from wi's side around."""
     preset = check.materials()["schlick"].with_parameters(m=0.1)
