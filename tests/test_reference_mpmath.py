@@ -326,7 +326,7 @@ def test_cases_are_many_and_extreme():
     assert np.sum(np.minimum(wi[:, 2], wo[:, 2]) < 2e-6) > 50  # cos 89.9999 degrees = 1.7e-6
 
 
-@pytest.mark.parametrize(("fresnel", "formula"), FRESNELS, ids=repr)
+@pytest.mark.parametrize(("fresnel", "formula"), FRESNELS, ids=lambda value: getattr(value, "__name__", repr(value)))
 def test_cook_torrance_is_exact(fresnel, formula):
     """F D G / (4 (n.l)(n.v)) to 1e-12, but where v.h as float64 can give it does not decide F G to that.
 
