@@ -8,6 +8,7 @@ from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import bmesh
 import bpy
 
 from ..nodegroups import lamp
@@ -204,11 +205,15 @@ def exact(scene: Scene) -> None:
 
 
 def _ball(scene: Scene) -> None:
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64, radius=1.0, location=(0, 0, 1))
-    ball = bpy.context.object
-    ball.name = "Ball"
-    bpy.ops.object.shade_smooth()
-    scene.view_layers[0].objects.active = ball
+    mesh, shape = bpy.data.meshes.new("Ball"), bmesh.new()
+    bmesh.ops.create_uvsphere(shape, u_segments=128, v_segments=64, radius=1.0)
+    for face in shape.faces:
+        face.smooth = True
+    shape.to_mesh(mesh)
+    shape.free()
+    ball = bpy.data.objects.new("Ball", mesh)
+    ball.location = (0, 0, 1)
+    scene.collection.objects.link(ball)
 
 
 def _floor(scene: Scene) -> None:

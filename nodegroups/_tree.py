@@ -151,7 +151,7 @@ class Tree:
     def node(self, kind: str, *inputs: Number, **settings: object) -> bpy.types.Node:
         """A new node with its properties set and its leading inputs connected."""
         node = self.node_tree.nodes.new(kind)
-        node.parent, node.select = self._frame, False
+        node.parent = self._frame
         for name, value in settings.items():
             setattr(node, name, value)
         for value, socket in zip(inputs, node.inputs, strict=False):
@@ -203,6 +203,8 @@ class Tree:
 
     def arrange(self) -> None:
         """Place nodes in columns, each just before what it feeds, so that the group reads from left to right."""
+        for node in self.node_tree.nodes:
+            node.select = False  # Blender selects what is new
         nodes = [node for node in self.node_tree.nodes if node.bl_idname != "NodeFrame"]
         fed: dict[bpy.types.Node, set[bpy.types.Node]] = {node: set() for node in nodes}
         for link in self.node_tree.links:

@@ -62,7 +62,7 @@ def test_panels_integrate_what_ends_in_a_square_root(nodes):
     np.testing.assert_allclose(np.sum(widths * points**2, axis=-1), [9.0, 125 / 3], rtol=1e-13)
 
 
-@pytest.mark.parametrize(("m", "degrees"), [(1e-3, 45.0), (0.1, 89.9), (0.5, 0.0), (0.5, 85.0), (3.0, 30.0)])
+@pytest.mark.parametrize(("m", "degrees"), [(1e-3, 45.0), (0.1, 89.9), (0.5, 85.0), (3.0, 0.0), (3.0, 30.0)])
 @pytest.mark.parametrize("fresnel", FRESNELS.values(), ids=FRESNELS)
 def test_cook_torrance_albedo_is_converged(fresnel, m, degrees):
     """40 nodes on each panel in place of 16 change nothing above 1e-6."""

@@ -120,6 +120,21 @@ def test_samples_are_unit_vectors_with_weights_of_at_most_1(fresnel, m, wo, u):
             assert (weight == 0).all()
 
 
+@pytest.mark.parametrize("z_i", [1e-45, 1e-20, 1e-12, 1e-9, 1e-8])
+@pytest.mark.parametrize("z_o", [1e-9, 1e-8, 3e-8])
+def test_values_hold_where_rounding_decides_the_sign_of_the_facets_cosine(z_i, z_o):
+    """Grazing light opposite a grazing view: rounded unit vectors give v.h = wo.h with either sign; f is still > 0.
+
+    Seen once: -1.4e16 for z = 1.4e-45 and 1e-8 at azimuths 0 and 180 degrees.
+    """
+    model = CookTorrance(1.0, Schlick(0.5))
+    wi, wo = at_height(z_i), at_height(z_o, np.pi)
+    there, back = model.evaluate(wi, wo), model.evaluate(wo, wi)
+    assert there.shape == (3,)
+    assert (there > 0).all()
+    np.testing.assert_allclose(there, back, rtol=1e-15)  # |wi + wo| / 2 stands for v.h here, the same for both
+
+
 @pytest.mark.parametrize("m", SLOPES)
 @pytest.mark.parametrize("z", [0.0, 5e-324, 1e-160, 1e-50, 1e-49, 1e-8, 1e-4])
 def test_albedo_is_finite_down_to_the_horizon(m, z):

@@ -204,6 +204,20 @@ def test_fresnel_conductor_is_exact(n, k):
     check_fresnel(fresnel_conductor, exact_conductor, n, k)
 
 
+@pytest.mark.parametrize("eta", [0.5, 0.75])
+def test_fresnel_keeps_its_digits_next_to_the_critical_angle(eta):
+    """Where eta^2 - 1 is exact in float64, F is right to 1e-12 down to one part in 1e15 of the critical angle.
+
+    c^2 - (1 - eta^2) then depends on the digits of c^2 that float64 rounds off; they are carried along.
+    """
+    critical = critical_cosine(eta)
+    cosines = critical * (1 + np.array([1e-15, 1e-14, 1e-12, 1e-9, 1e-6]))
+    for got in (fresnel_dielectric(cosines, eta), fresnel_conductor(cosines, eta, 0.0)):
+        assert got.shape == cosines.shape
+        for c, value in zip(cosines, got, strict=True):
+            assert relative(value, exact_dielectric(mpf(float(c)), mpf(eta))) < LIMIT
+
+
 @pytest.mark.parametrize("n", [n for n in NS if n > 0])
 def test_fresnel_conductor_without_absorption_is_dielectric(n):
     """k = 0 gives the dielectric's F, also in total internal reflection."""
