@@ -203,8 +203,6 @@ class Tree:
 
     def arrange(self) -> None:
         """Place nodes in columns, each just before what it feeds, so that the group reads from left to right."""
-        for node in self.node_tree.nodes:
-            node.select = False  # Blender selects what is new
         nodes = [node for node in self.node_tree.nodes if node.bl_idname != "NodeFrame"]
         fed: dict[bpy.types.Node, set[bpy.types.Node]] = {node: set() for node in nodes}
         for link in self.node_tree.links:
@@ -218,10 +216,8 @@ class Tree:
 
         first = max(map(steps_to_end, nodes))
         steps[self._input] = first
-        for node in nodes:  # what a Geometry node does not give here only hides what lies below it
-            if node.bl_idname == "ShaderNodeNewGeometry":
-                for socket in node.outputs:
-                    socket.hide = not socket.is_linked
+        for node in self.node_tree.nodes:
+            _tidy(node)
         top = 0.0
         for frame in (None, *(node for node in self.node_tree.nodes if node.bl_idname == "NodeFrame")):
             bottom: dict[int, float] = {}  # of each column in this frame's band
@@ -231,6 +227,14 @@ class Tree:
                     node.location = (column * COLUMN_WIDTH, bottom.get(column, top))
                     bottom[column] = node.location.y - _height(node) - 20
             top = min(bottom.values(), default=top) - 80
+
+
+def _tidy(node: bpy.types.Node) -> None:
+    """Deselect what Blender selects as new; fold away what a Geometry node does not give here."""
+    node.select = False
+    if node.bl_idname == "ShaderNodeNewGeometry":
+        for socket in node.outputs:
+            socket.hide = not socket.is_linked
 
 
 def _height(node: bpy.types.Node) -> float:
