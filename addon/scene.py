@@ -8,8 +8,8 @@ from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import bmesh
 import bpy
+import numpy as np
 
 from ..nodegroups import lamp
 from . import lamps
@@ -204,13 +204,27 @@ def exact(scene: Scene) -> None:
     cycles.light_sampling_threshold = 0.0
 
 
-def _ball(scene: Scene) -> None:
-    mesh, shape = bpy.data.meshes.new("Ball"), bmesh.new()
-    bmesh.ops.create_uvsphere(shape, u_segments=128, v_segments=64, radius=1.0)
-    for face in shape.faces:
-        face.smooth = True
-    shape.to_mesh(mesh)
-    shape.free()
+def _ball(scene: Scene, segments: int = 128, rings: int = 64) -> None:
+    """A smooth sphere made by hand: Blender's own comes with its points in an order that differs from run to run."""
+    ring = np.arange(1, rings)[:, None] * np.pi / rings
+    turn = np.arange(segments) * 2 * np.pi / segments
+    parts = (
+        np.sin(ring) * np.cos(turn),
+        np.sin(ring) * np.sin(turn),
+        np.broadcast_to(np.cos(ring), (rings - 1, segments)),
+    )
+    points = [*np.stack(parts, axis=-1).reshape(-1, 3).tolist(), [0, 0, 1], [0, 0, -1]]
+    top, bottom = len(points) - 2, len(points) - 1
+    faces = []
+    for s in range(segments):
+        t = (s + 1) % segments
+        faces += [(top, s, t), (bottom, (rings - 2) * segments + t, (rings - 2) * segments + s)]
+        faces += [
+            (r + s, r + segments + s, r + segments + t, r + t) for r in range(0, (rings - 2) * segments, segments)
+        ]
+    mesh = bpy.data.meshes.new("Ball")
+    mesh.from_pydata(points, [], faces)
+    mesh.shade_smooth()
     ball = bpy.data.objects.new("Ball", mesh)
     ball.location = (0, 0, 1)
     scene.collection.objects.link(ball)
