@@ -215,7 +215,7 @@ def _ball(scene: Scene, segments: int = 128, rings: int = 64) -> None:
     )
     points = [*np.stack(parts, axis=-1).reshape(-1, 3).tolist(), [0, 0, 1], [0, 0, -1]]
     top, bottom = len(points) - 2, len(points) - 1
-    faces = []
+    faces: list[tuple[int, ...]] = []
     for s in range(segments):
         t = (s + 1) % segments
         faces += [(top, s, t), (bottom, (rings - 2) * segments + t, (rings - 2) * segments + s)]
