@@ -193,6 +193,12 @@ class Tree:
             total = both.outputs[0]
         return total
 
+    def weighted(self, socket: bpy.types.NodeSocket, weight: Number) -> bpy.types.NodeSocket:
+        """A closure scaled by ``weight`` in 0..1: mixed with nothing."""
+        mix = self.node("ShaderNodeMixShader", weight)
+        self.node_tree.links.new(socket, mix.inputs[2])
+        return mix.outputs[0]
+
     def geometry(self, name: str) -> Value:
         """An output of the Geometry node: Position, Normal, Incoming ..."""
         if "geometry" not in self._cached:

@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Estimator ``closure``: Cycles' own Beckmann closure, which has Smith's G in place of the V-groove's."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import bpy
 
 from . import cook_torrance, fresnel
 from ._tree import Number, Tree, Value, sqrt
+
+if TYPE_CHECKING:
+    from bpy.types import Node, NodeSocket
 
 NAME = "VGroove Cook-Torrance Closure"
 REVISION = 1
@@ -19,22 +26,33 @@ def has_exact_conductor() -> bool:
 
 def build(tree: Tree, kind: str) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=1.0)  # Cycles clamps alpha to 1
+    native = lobe(tree, kind, inputs.fresnel, sqrt(inputs.m), inputs.normal)
+    tree.output_shader("BSDF", native, tip="To the material's Surface")
+
+
+def lobe(
+    tree: Tree, kind: str, parameters: dict[str, Value], roughness: Value, normal: Value,
+    anisotropy: Value | None = None, tangent: Value | None = None,
+) -> NodeSocket:  # fmt: skip
+    """Cycles' Metallic BSDF with the Fresnel term of ``kind``."""
     metallic = tree.node("ShaderNodeBsdfMetallic", distribution="BECKMANN")
-    tree.connect(sqrt(inputs.m), metallic.inputs["Roughness"])
-    tree.connect(inputs.normal, metallic.inputs["Normal"])
+    tree.connect(roughness, metallic.inputs["Roughness"])
+    tree.connect(normal, metallic.inputs["Normal"])
+    if anisotropy is not None and tangent is not None:
+        tree.connect(anisotropy, metallic.inputs["Anisotropy"])
+        tree.connect(tangent, metallic.inputs["Tangent"])
     if kind == "schlick":
-        _f82(tree, metallic, inputs.fresnel["f0"], (1.0, 1.0, 1.0))  # with a white edge F82 is Schlick's formula
+        _f82(tree, metallic, parameters["f0"], (1.0, 1.0, 1.0))  # with a white edge F82 is Schlick's formula
     elif kind == "dielectric" and not has_exact_conductor():
-        _f82(tree, metallic, *_f82_of_dielectric(tree, inputs.fresnel["eta"]))
+        _f82(tree, metallic, *_f82_of_dielectric(tree, parameters["eta"]))
     else:
         metallic.fresnel_type = "PHYSICAL_CONDUCTOR"
-        index = inputs.fresnel["n"] if kind == "conductor" else inputs.fresnel["eta"]
-        tree.connect(index, metallic.inputs["IOR"])
-        tree.connect(inputs.fresnel.get("k", (0.0, 0.0, 0.0)), metallic.inputs["Extinction"])
-    tree.output_shader("BSDF", metallic.outputs["BSDF"], tip="To the material's Surface")
+        tree.connect(parameters["n"] if kind == "conductor" else parameters["eta"], metallic.inputs["IOR"])
+        tree.connect(parameters.get("k", (0.0, 0.0, 0.0)), metallic.inputs["Extinction"])
+    return metallic.outputs["BSDF"]
 
 
-def _f82(tree: Tree, metallic: bpy.types.Node, f0: Value, tint: Number) -> None:
+def _f82(tree: Tree, metallic: Node, f0: Value, tint: Number) -> None:
     metallic.fresnel_type = "F82"
     tree.connect(f0, metallic.inputs["Base Color"])
     tree.connect(tint, metallic.inputs["Edge Tint"])

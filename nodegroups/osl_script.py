@@ -29,9 +29,16 @@ FOLDER = Path(__file__).parent.parent / "osl"
 def source(shader: str) -> str:
     """Text of ``osl/SHADER.osl`` with our own headers in place of their #include lines."""
     text = (FOLDER / f"{shader}.osl").read_text(encoding="utf-8")
-    return re.sub(
-        r'#include "(vgroove\.h)"', lambda found: (FOLDER / "include" / found[1]).read_text(encoding="utf-8"), text
-    )
+    return re.sub(r'#include "((?!stdcycles)\w+\.h)"', lambda found: _header(found[1]), text)
+
+
+def _header(name: str) -> str:
+    """Text of ``osl/include/NAME``, or of a table of the reference."""
+    if name == "cook_torrance_fit_table.h":
+        from .cook_torrance_fit import osl_header
+
+        return osl_header()
+    return (FOLDER / "include" / name).read_text(encoding="utf-8")
 
 
 def text_block(shader: str) -> Text:

@@ -54,6 +54,15 @@ color fresnel(int kind, float cosine, color f0, float eta, color n, color k)
     return fresnel_conductor(cosine, n, k);
 }
 
+// Cycles' Beckmann lobe with slope at along T and ab across it
+closure color native_lobe(int kind, normal Normal, vector T, float at, float ab, color f0, float eta, color n, color k)
+{
+    if (kind == 0)
+        return generalized_schlick_bsdf(Normal, T, color(1), color(0), at, ab, f0, color(1), 5.0, "beckmann");
+    if (kind == 1) return dielectric_bsdf(Normal, T, color(1), color(0), at, ab, eta, "beckmann");
+    return conductor_bsdf(Normal, T, at, ab, n, k, "beckmann");
+}
+
 // The surface's own normal where none is linked: an unlinked group input reads (0, 0, 0)
 normal shading_normal(normal given)
 {

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cook-Torrance as a fixed mixture of the lobes that Cycles itself has: what estimator ``fit`` renders.
+
+Each lobe is a Beckmann microfacet lobe with Smith's G, slopes of its own across and in the plane of view, and a
+normal tilted within that plane. Weights, slopes and tilts are polynomials in (x, m); ``tools/fit_cook_torrance.py``
+finds them by the least L1 distance from the V-groove model and writes ``cook_torrance_fit.toml``. F depends on v.h
+alone, so that one mixture serves every Fresnel term.
+
+Source of the lobe: Heitz 2014, Understanding the Masking-Shadowing Function, JCGT 3(2), eqs. 85 to 99.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .directions import above, as_directions, as_pair, as_positive, dot, facet_cosine, half_vector
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .directions import Floats
+    from .fresnel import Fresnel
+
+TABLE = Path(__file__).with_suffix(".toml")
+FUNCTIONS = ("weight", "across", "aspect", "tilt")
+
+
+@dataclass(frozen=True)
+class Lobes:
+    """The mixture seen from each wo; arrays (..., lobes). ``across``, ``within``: slopes to the plane of view.
+
+    ``tilt`` is the tangent of the angle by which the normal leans away from the viewer.
+    """
+
+    weight: Floats
+    across: Floats
+    within: Floats
+    tilt: Floats
+
+
+@cache
+def table() -> dict[str, Floats]:
+    """Coefficients c[lobe, j, k] of x^j m^k for each of ``FUNCTIONS``, and those of the share of ``hybrid``."""
+    with TABLE.open("rb") as file:
+        return {name: np.array(numbers) for name, numbers in tomllib.load(file).items()}
+
+
+def polynomial(coefficients: Floats, x: Floats, m: Floats) -> Floats:
+    """Sum of c[..., j, k] x^j m^k; x and m (...), the result (..., lobes)."""
+    powers = np.einsum("...j,...k->...jk", x[..., None] ** np.arange(coefficients.shape[-2]),
+                       m[..., None] ** np.arange(coefficients.shape[-1]))  # fmt: skip
+    return np.einsum("...jk,ljk->...l", powers, coefficients)
+
+
+def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = None) -> Lobes:
+    """The mixture for views ``wo`` and slopes ``m``, which are held to Cycles' limit of 1.
+
+    With x = m s / (c + m s), c = n.v, s = sin: 0 head-on, 1 at grazing, and alike for all m where m is small:
+    weight = max(w, 0);  across = min(1, m exp(a));  within = across max(exp(-x max(r, 0)), 0.1);  tilt = m (1 - x) s t,
+    so that head-on every lobe is round and upright, as it must be to stay continuous there.
+
+    wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
+    """
+    wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
+    c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
+    x, m = np.broadcast_arrays(m * s / np.maximum(c + m * s, 1e-300), m)
+    weight, across, aspect, tilt = (polynomial((coefficients or table())[name], x, m) for name in FUNCTIONS)
+    across = np.minimum(m[..., None] * np.exp(across), 1.0)
+    within = across * np.maximum(np.exp(-x[..., None] * np.maximum(aspect, 0.0)), 0.1)
+    return Lobes(np.maximum(weight, 0.0), across, within, (m * (1.0 - x) * s)[..., None] * tilt)
+
+
+def mixture(wi: ArrayLike, wo: ArrayLike, m: ArrayLike) -> Floats:
+    """f cos(theta_i) of the mixture with F = 1: the sum of weight D G / (4 v.n') over its lobes, in 1/sr, (...).
+
+    n' is a lobe's own normal, against which its D and G are taken. 0 unless both directions leave the upper side.
+
+    wi, wo: unit vectors (..., 3), broadcast; m: RMS slope > 0. Raises ValueError outside these ranges.
+    """
+    wi, wo = as_pair(wi, wo)
+    return np.where(above(wi, wo), np.sum(weighted_lobes(wi, wo, lobes(wo, m)), axis=-1), 0.0)
+
+
+def weighted_lobes(wi: Floats, wo: Floats, of: Lobes) -> Floats:
+    """weight D G / (4 v.n') of each lobe, (..., lobes)."""
+    h = half_vector(wi, wo)
+    sin = np.hypot(wo[..., 0], wo[..., 1])
+    aside = sin > 0  # head-on any plane will do: lobes are round
+    X = np.where(aside[..., None], wo[..., :2] / np.where(aside, sin, 1.0)[..., None], [1.0, 0.0])  # to the viewer
+
+    def parts(w: Floats) -> tuple[Floats, Floats, Floats]:
+        across, toward = w[..., 1] * X[..., 0] - w[..., 0] * X[..., 1], dot(w[..., :2], X)
+        return across[..., None], toward[..., None], w[..., 2:]
+
+    frames = [turned(*parts(w), of.tilt) for w in (wi, wo, h)]
+    return of.weight * smith_lobe(*frames, of.across, of.within)
+
+
+def turned(across: Floats, toward: Floats, up: Floats, tilt: Floats) -> tuple[Floats, Floats, Floats]:
+    """Components across the plane of view, within it and along a normal that leans away from the viewer by ``tilt``."""
+    cos_tilt = 1.0 / np.sqrt(1.0 + tilt * tilt)
+    return across, (toward + tilt * up) * cos_tilt, (up - tilt * toward) * cos_tilt
+
+
+def smith_lobe(
+    wi: tuple[Floats, ...], wo: tuple[Floats, ...], h: tuple[Floats, ...], ax: Floats, ay: Floats
+) -> Floats:
+    """D G / (4 v.n) of an anisotropic Beckmann lobe in its own frame; vectors as their three components."""
+    lit = (wi[2] > 0) & (wo[2] > 0) & (h[2] > 1e-8)
+    hz, no = np.where(lit, h[2], 1.0), np.where(lit, wo[2], 1.0)
+    with np.errstate(under="ignore"):
+        D = np.exp(-np.square(h[0] / hz / ax) - np.square(h[1] / hz / ay)) / (np.pi * ax * ay * hz**4)
+    G = 1.0 / (1.0 + _lambda(wi, lit, ax, ay) + _lambda(wo, lit, ax, ay))
+    return np.where(lit, D * G / (4.0 * no), 0.0)
+
+
+def _lambda(w: tuple[Floats, ...], lit: Floats, ax: Floats, ay: Floats) -> Floats:
+    """Smith's Lambda as ``distributions.smith_lambda``, for two slopes."""
+    slope = np.sqrt(np.square(w[0] * ax) + np.square(w[1] * ay)) / np.where(lit, w[2], 1.0)
+    rough = slope * 1.6 > 1.0
+    a = 1.0 / np.where(rough, slope, 1.0)
+    return np.where(rough, (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), 0.0)
+
+
+def cook_torrance_fit(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel) -> Floats:
+    """The BRDF that ``fit`` renders, F(v.h) mixture / (n.l), in 1/sr, RGB (..., 3). Not reciprocal.
+
+    Arguments, zeros and errors as ``cook_torrance``; m > 1 gives what m = 1 gives.
+    """
+    wi, wo = as_pair(wi, wo)
+    lit = above(wi, wo)
+    F = fresnel(np.where(lit, facet_cosine(wi, wo, half_vector(wi, wo)), 1.0))
+    return F * np.where(lit, mixture(wi, wo, m) / np.where(lit, wi[..., 2], 1.0), 0.0)[..., None]

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Estimator ``fit``: the V-groove model as a fixed mixture of Cycles' own Beckmann lobes. Nothing is random.
+
+Weights, slopes and tilts as in ``cook_torrance_fit`` of the reference, from the same table. Whatever depends on m
+alone is folded by Cycles into constants, unless m is textured.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..addon.reference.cook_torrance_fit import FUNCTIONS, table
+from . import cook_torrance, ensure
+from . import cook_torrance_closure as closure
+from ._tree import Tree, Value, cross, dot, exp, length, maximum, minimum, normalize, scale, sqrt, vector
+from .shading_normal import shading_normal
+
+if TYPE_CHECKING:
+    from bpy.types import NodeSocket
+
+NAME = "VGroove Cook-Torrance Fit"
+REVISION = 1
+LOBES_NAME = "VGroove Fit Lobes"
+MOST_ANISOTROPIC = 0.9  # of Cycles' Metallic BSDF: alphas are as 1 to 1 - 0.9 anisotropy
+
+
+def build(tree: Tree, kind: str) -> None:
+    inputs = cook_torrance.interface(tree, kind, m_high=1.0)  # Cycles clamps alpha to 1
+    tree.output_shader("BSDF", shader(tree, kind, inputs), tip="To the material's Surface")
+
+
+def build_osl(tree: Tree, kind: str) -> None:
+    inputs = cook_torrance.interface(tree, kind, m_high=1.0)
+    node = cook_torrance.script(tree, "fit", kind, inputs)
+    tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")
+
+
+def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
+    """The mixture, one Metallic BSDF a lobe."""
+    N = shading_normal(tree, inputs.normal)
+    shaders = []
+    for lobe in lobes(tree, inputs.m, N):
+        with tree.frame("Lobe"):
+            roughness = sqrt(sqrt(lobe.across * lobe.within))
+            anisotropy = (1.0 - lobe.within / lobe.across) * (1.0 / MOST_ANISOTROPIC)
+            native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, anisotropy, lobe.tangent)
+            shaders.append(tree.weighted(native, lobe.weight))
+    return tree.add_shaders(shaders)
+
+
+@dataclass(frozen=True)
+class Lobe:
+    """One lobe of the mixture, as seen from the viewer; ``tangent`` lies across the plane of view."""
+
+    weight: Value
+    across: Value
+    within: Value
+    normal: Value
+    tangent: Value
+
+
+def lobes(tree: Tree, m: Value, N: Value) -> list[Lobe]:
+    """The mixture's lobes through the nested group that holds the table."""
+    node = tree.group(ensure(LOBES_NAME, REVISION, build_lobes), m=m, N=N)
+    outputs = {output.name: Value(tree, output) for output in node.outputs}
+    weights, acrosses, withins = (outputs[name].xyz for name in ("Weight", "Across", "Within"))
+    return [
+        Lobe(weights[k], acrosses[k], withins[k], outputs[f"Normal {k + 1}"], outputs["Tangent"])
+        for k in range(lobe_count())
+    ]
+
+
+def lobe_count() -> int:
+    return len(table()["weight"])
+
+
+def build_lobes(tree: Tree) -> None:
+    slope = tree.input_float("m", 0.3, low=1e-4, high=1.0, tip="RMS slope of the facets")
+    N = tree.input_vector("N", (0, 0, 1), hide_value=True, tip="Unit normal")
+    wo = tree.geometry("Incoming")
+    with tree.frame("x = m s / (c + m s): 0 head-on, 1 at grazing"):
+        m = minimum(slope, 1.0)
+        c = dot(N, wo)
+        aside = wo - scale(N, c)
+        ms = m * length(aside)
+        x = ms / maximum(maximum(c, 0.0) + ms, 1e-20)
+    with tree.frame("The table's polynomials, one component a lobe"):
+        # The same for all components: a number that feeds a vector counts thrice.
+        weight, across, aspect, tilt = (_polynomial(tree, name, vector(x, x, x), vector(m, m, m)) for name in FUNCTIONS)
+    with tree.frame("Slopes across and within the plane of view"):
+        across = minimum(scale(exp(across), m), 1.0)
+        within = across * maximum(exp(scale(maximum(aspect, 0.0), -x)), 0.1)
+    with tree.frame("Normals that lean away from the viewer"):
+        lean = scale(aside, m * (1.0 - x))
+        normals = [normalize(N - scale(lean, part)) for part in tilt.xyz]
+    tree.output_vector("Weight", maximum(weight, 0.0), tip="Of each lobe")
+    tree.output_vector("Across", across, tip="RMS slope across the plane of view, of each lobe")
+    tree.output_vector("Within", within, tip="RMS slope within the plane of view, of each lobe")
+    for k in range(lobe_count()):
+        tree.output_vector(f"Normal {k + 1}", normals[k], tip="The lobe's own normal")
+    tree.output_vector("Tangent", cross(N, wo), tip="Across the plane of view")
+
+
+def _polynomial(tree: Tree, name: str, x: Value, m: Value) -> Value:
+    """Sum of c_jk x^j m^k by Horner's rule."""
+    coefficients = _by_lobe(name)
+    result: Value | tuple[float, float, float] | None = None
+    for row in reversed(coefficients):
+        of_m: Value | tuple[float, float, float] = row[-1]
+        for number in reversed(row[:-1]):
+            of_m = tree.math("MULTIPLY_ADD", m, of_m, number)
+        result = of_m if result is None else tree.math("MULTIPLY_ADD", result, x, of_m)
+    assert isinstance(result, Value)
+    return result
+
+
+def _by_lobe(name: str) -> list[list[tuple[float, float, float]]]:
+    """Coefficients [j][k] with one component a lobe; zeros where there are fewer than three."""
+    numbers = table()[name]
+    count, rows, columns = numbers.shape
+    return [
+        [tuple(float(numbers[lobe, j, k]) if lobe < count else 0.0 for lobe in range(3)) for k in range(columns)]  # type: ignore[misc]
+        for j in range(rows)
+    ]
+
+
+def osl_header() -> str:
+    """The same polynomials as OSL functions ``fit_NAME(x, m)``."""
+    functions = []
+    for name in FUNCTIONS:
+        lines = [
+            "    p = p * x + (" + " + m * (".join(f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row) + ")" * len(row) + ";"
+            for row in reversed(_by_lobe(name))
+        ]
+        functions.append("\n".join([f"vector fit_{name}(float x, float m)", "{", "    vector p = 0;", *lines, "    return p;", "}", ""]))
+    return "\n".join([f"#define FIT_LOBES {lobe_count()}", "", *functions])

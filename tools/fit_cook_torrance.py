@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table of ``fit``: native Beckmann lobes that come nearest to the V-groove model, in L1, at every m and view.
+
+python tools/fit_cook_torrance.py              prints, for each (m, angle), L1 of the plain closure, of the best
+                                               mixture for that cell alone, and of the committed table
+python tools/fit_cook_torrance.py --write      finds the table anew (minutes) and writes it
+
+L1 at a fixed view is the integral over wi of |f_fit - f| cos over that of f cos. It is made small by weighted least
+squares, iterated with weights 1/|f_fit - f| (Gauss-Newton with Levenberg's damping): first for each cell alone, which
+is the optimum that the smooth table is held against, then for the coefficients of all cells together.
+"""
+
+from __future__ import annotations
+
+import argparse
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from vgroove.addon.reference import cook_torrance_fit as fit
+from vgroove.addon.reference.distributions import vgroove_g
+
+LOBES = 3
+RADII, TURNS = 48, 40  # of the grid of facets
+DEGREE_X, DEGREE_M = 8, 4
+SLOPES = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+ANGLES = (0, 10, 20, 30, 40, 50, 60, 65, 70, 75, 78, 81, 83, 85, 87, 89)
+PRINTED = (0, 20, 40, 60, 75, 85)
+SMOOTHING = 3e-4  # of the peak: below this |r| is taken for r^2
+ALBEDO = 0.006  # share by which the mixture's albedo may differ before it costs
+LOW, HIGH = np.array([[0.0], [-0.5], [0.0], [-3.0]]), np.array([[1.0], [1.0], [6.0], [1.2]])
+
+
+class Cell:
+    """One slope and view: the reference on a grid of facets, and the mixture's distance from it."""
+
+    def __init__(self, m: float, degrees: float) -> None:
+        self.m, self.angle = m, np.radians(degrees)
+        self.wo = np.array([np.sin(self.angle), 0.0, np.cos(self.angle)])
+        radius, weight = np.polynomial.legendre.leggauss(RADII)
+        radius, weight = 1.6 * (radius + 1.0), 1.6 * weight  # slopes to 3.2 m hold all but 4e-5 of the facets
+        phi = (np.arange(TURNS) + 0.5) * np.pi / TURNS
+        p, q = m * radius[:, None] * np.cos(phi), m * radius[:, None] * np.sin(phi)
+        nh = 1.0 / np.sqrt(1.0 + p * p + q * q)
+        h = np.stack([p * nh, q * nh, nh], axis=-1)
+        vh = h @ self.wo
+        wi = 2.0 * vh[..., None] * h - self.wo
+        lit = (vh > 1e-9) & (wi[..., 2] > 1e-9)
+        self.wi = wi[lit] / np.linalg.norm(wi[lit], axis=-1, keepdims=True)
+        nh, vh = nh[lit], vh[lit]
+        self.wi_parts, self.wo_parts, self.h_parts = map(_parts, (self.wi, self.wo[None], h[lit]))
+        D = np.exp(-(p * p + q * q)[lit] / m**2) / (np.pi * m**2 * nh**4)
+        self.f_cos = D * vgroove_g(self.wi, self.wo) / (4.0 * self.wo[2])
+        # dwi = 4 (v.h) dh, dh = (n.h)^3 dp dq; twice for the mirrored half
+        area = (2.0 * np.pi / TURNS * m * m * radius * weight)[:, None] * np.ones(TURNS)
+        self.solid_angle = 4.0 * vh * nh**3 * area[lit]
+        self.albedo = float(self.f_cos @ self.solid_angle)
+        s, c = np.sin(self.angle), np.cos(self.angle)
+        self.x = m * s / (c + m * s)
+        self.basis = np.outer(_chebyshev(self.x, DEGREE_X), _chebyshev(m, DEGREE_M)).ravel()
+
+    def lobes(self, functions: np.ndarray) -> fit.Lobes:
+        """Lobes from the values of weight, across, aspect, tilt (4, lobes), as ``fit.lobes`` makes them."""
+        weight, across, aspect, tilt = functions
+        across = np.minimum(self.m * np.exp(across), 1.0)
+        s = np.sin(self.angle)
+        return fit.Lobes(weight, across, across * np.maximum(np.exp(-self.x * aspect), 0.1), self.m * (1.0 - self.x) * s * tilt)
+
+    def parts(self, functions: np.ndarray) -> np.ndarray:
+        """f cos of each lobe of weight 1 on the grid, (N, lobes)."""
+        of = self.lobes(functions)
+        wi, wo, h = (fit.turned(*w, of.tilt) for w in (self.wi_parts, self.wo_parts, self.h_parts))
+        return fit.smith_lobe(wi, wo, h, of.across, of.within)
+
+    def distance(self, functions: np.ndarray) -> tuple[float, float]:
+        """L1 and the albedo's relative error."""
+        r = self.parts(functions) @ functions[0] - self.f_cos
+        return float(np.abs(r) @ self.solid_angle / self.albedo), float(r @ self.solid_angle / self.albedo)
+
+    def loss(self, functions: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Smoothed L1 and the cost of a wrong albedo; gradient and Gauss-Newton matrix in the (4 * lobes) values."""
+        parts = self.parts(functions)
+        r = parts @ functions[0] - self.f_cos
+        columns = [parts]
+        for row in (1, 2, 3):
+            nudged = functions.copy()
+            nudged[row] += 1e-4
+            columns.append((self.parts(nudged) - parts) / 1e-4 * functions[0])
+        J = np.stack(columns, axis=-1).transpose(0, 2, 1).reshape(len(r), -1)
+        epsilon = SMOOTHING * np.max(self.f_cos)
+        size = np.sqrt(r * r + epsilon * epsilon)
+        weight = self.solid_angle / self.albedo
+        loss = float(size @ weight)
+        gradient, matrix = J.T @ (r / size * weight), (J * (weight / size)[:, None]).T @ J
+        error, slope = float(r @ weight), J.T @ weight
+        gain = self.albedo * (1.0 + error) - 0.9997  # a furnace must not exceed 1
+        for excess, cost in ((error - ALBEDO, 300.0), (-ALBEDO - error, 300.0), (gain, 3e4)):
+            if excess > 0:
+                sign = -1.0 if cost == 300.0 and error < 0 else 1.0
+                loss += cost * excess**2
+                gradient = gradient + 2.0 * cost * excess * sign * slope
+                matrix = matrix + 2.0 * cost * np.outer(slope, slope)
+        return loss, gradient, matrix
+
+
+def _parts(w: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Components across the plane of view, toward the viewer and up, (N, 1) each."""
+    return w[:, 1:2], w[:, 0:1], w[:, 2:3]
+
+
+def _chebyshev(x: float, degree: int) -> np.ndarray:
+    return np.polynomial.chebyshev.chebvander(np.array([2.0 * x - 1.0]), degree)[0]
+
+
+def optimum(cell: Cell, starts: list[np.ndarray]) -> np.ndarray:
+    """The best mixture for one cell alone, (4, lobes): the floor for every smooth table."""
+    best = None
+    for start in starts:
+        functions, damping = np.clip(start, LOW, HIGH), 1e-2
+        loss, gradient, matrix = cell.loss(functions)
+        for _ in range(150):
+            flat = functions.ravel()
+            low, high = (np.broadcast_to(limit, functions.shape).ravel() for limit in (LOW, HIGH))
+            free = ~((flat <= low) & (gradient > 0)) & ~((flat >= high) & (gradient < 0))
+            if not free.any():
+                break
+            step = np.zeros_like(flat)
+            damped = matrix[np.ix_(free, free)]
+            damped = damped + np.diag(damping * np.diag(damped) + 1e-9)
+            step[free] = -np.linalg.solve(damped, gradient[free])
+            trial = np.clip(functions + np.clip(step, -0.3, 0.3).reshape(functions.shape), LOW, HIGH)
+            trial_loss = cell.loss(trial)
+            if trial_loss[0] < loss:
+                small = loss - trial_loss[0] < 1e-7
+                functions, (loss, gradient, matrix), damping = trial, trial_loss, max(damping / 5.0, 1e-6)
+                if small:
+                    break
+            elif damping > 1e4:
+                break
+            else:
+                damping *= 4.0
+        if best is None or loss < best[0]:
+            best = loss, functions
+    return best[1]
+
+
+def random_starts(rng: np.random.Generator, count: int, lobes: int) -> list[np.ndarray]:
+    return [
+        np.stack([rng.dirichlet(np.ones(lobes)), rng.normal(0, 0.1, lobes), rng.exponential(1.0, lobes),
+                  rng.normal(0.3, 0.6, lobes)])
+        for _ in range(count)
+    ]  # fmt: skip
+
+
+@dataclass
+class Table:
+    """Chebyshev coefficients of all functions, (4 * lobes, basis), and the cells they are held against."""
+
+    cells: list[Cell]
+    importance: np.ndarray
+
+    def functions(self, coefficients: np.ndarray, cell: Cell) -> np.ndarray:
+        return (coefficients @ cell.basis).reshape(4, -1)
+
+    def loss(self, coefficients: np.ndarray, *, slope: bool) -> tuple[float, np.ndarray, np.ndarray]:
+        rows, width = coefficients.shape
+        total, gradient, matrix = 0.0, np.zeros((rows, width)), np.zeros((rows, rows, width, width))
+        for cell, importance in zip(self.cells, self.importance, strict=True):
+            raw = self.functions(coefficients, cell)
+            held = np.clip(raw, LOW, HIGH)
+            beyond = (raw - held).ravel()
+            loss, g, H = cell.loss(held) if slope else (cell.loss(held)[0], None, None)
+            total += importance * (loss + 0.1 * float(beyond @ beyond))
+            if not slope:
+                continue
+            inside = beyond == 0
+            g = np.where(inside, g, 0.2 * beyond)
+            H = H * np.outer(inside, inside) + np.diag(0.2 * ~inside)
+            gradient += importance * np.outer(g, cell.basis)
+            matrix += importance * H[:, :, None, None] * np.outer(cell.basis, cell.basis)
+        size = rows * width
+        return total, gradient.ravel(), matrix.transpose(0, 2, 1, 3).reshape(size, size)
+
+    def descend(self, coefficients: np.ndarray, steps: int) -> tuple[float, np.ndarray]:
+        damping = 1e-2
+        loss, gradient, matrix = self.loss(coefficients, slope=True)
+        for _ in range(steps):
+            while True:
+                damped = matrix + np.diag(damping * np.diag(matrix) + 1e-7 * np.trace(matrix) / len(matrix))
+                step = -np.linalg.solve(damped, gradient).reshape(coefficients.shape)
+                trial = coefficients + step * min(1.0, 0.5 / np.max(np.abs(step)))
+                after = self.loss(trial, slope=False)[0]
+                if after < loss or damping > 1e4:
+                    break
+                damping *= 5.0
+            if after >= loss:
+                break
+            small = loss - after < 1e-5 * loss
+            coefficients, damping = trial, max(damping / 4.0, 1e-7)
+            if small:
+                break
+            loss, gradient, matrix = self.loss(coefficients, slope=True)
+        return loss, coefficients
+
+
+def monomials(coefficients: np.ndarray) -> dict[str, np.ndarray]:
+    """Coefficients [lobe, j, k] of x^j m^k for each function, from those of Chebyshev polynomials on [0, 1]."""
+    to_power = [_to_powers(degree) for degree in (DEGREE_X, DEGREE_M)]
+    grid = coefficients.reshape(len(fit.FUNCTIONS), -1, DEGREE_X + 1, DEGREE_M + 1)
+    powers = np.einsum("flab,aj,bk->fljk", grid, *to_power)
+    return dict(zip(fit.FUNCTIONS, powers, strict=True))
+
+
+def _to_powers(degree: int) -> np.ndarray:
+    """Row a: the powers of x in the Chebyshev polynomial T_a(2x - 1)."""
+    rows = np.zeros((degree + 1, degree + 1))
+    for a in range(degree + 1):
+        chebyshev = np.polynomial.Chebyshev.basis(a, domain=[0, 1])
+        rows[a, : a + 1] = chebyshev.convert(kind=np.polynomial.Polynomial).coef
+    return rows
+
+
+def toml(numbers: dict[str, np.ndarray]) -> str:
+    """The table as committed: nine digits, which is what float32 shaders can hold."""
+    lines = [
+        "# Coefficients c[lobe][j][k] of x^j m^k; addon/reference/cook_torrance_fit.py says what they are for.",
+        "# Written by tools/fit_cook_torrance.py --write",
+    ]
+    for name, grid in numbers.items():
+        lines.append(f"{name} = [")
+        for lobe in grid:
+            rows = ",\n".join("    [" + ", ".join(f"{number:.9g}" for number in row) + "]" for row in lobe)
+            lines.append("  [\n" + rows.replace("nan", "0") + "\n  ],")
+        lines.append("]")
+    return "\n".join(lines) + "\n"
