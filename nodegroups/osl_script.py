@@ -29,9 +29,13 @@ FOLDER = Path(__file__).parent.parent / "osl"
 def source(shader: str) -> str:
     """Text of ``osl/SHADER.osl`` with our own headers in place of their #include lines."""
     text = (FOLDER / f"{shader}.osl").read_text(encoding="utf-8")
-    return re.sub(
-        r'#include "(vgroove\.h)"', lambda found: (FOLDER / "include" / found[1]).read_text(encoding="utf-8"), text
-    )
+    return re.sub(r'#include "(\w+\.h)"', lambda found: _header(found[1]) or found[0], text)
+
+
+def _header(name: str) -> str:
+    """Text of a header of ours; empty for those that come with Cycles."""
+    path = FOLDER / "include" / name
+    return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
 def text_block(shader: str) -> Text:
