@@ -10,10 +10,11 @@ import bpy
 import numpy as np
 
 from .. import nodegroups
-from ..nodegroups import lamp, oren_nayar_direct, oren_nayar_mirror
+from ..nodegroups import lamp, oren_nayar_closure, oren_nayar_direct, oren_nayar_fit, oren_nayar_mirror
 from . import check, gonio, headless, lamps
 from .check import Row, Setup, View
 from .reference import OrenNayar
+from .reference import oren_nayar_fit as fit
 from .reference.quadrature import diffuse_albedo
 
 if TYPE_CHECKING:
@@ -24,19 +25,25 @@ if TYPE_CHECKING:
 
 ALBEDO = (0.2, 0.5, 1.0)
 DIRECT_BAR = 2e-5  # as Cook-Torrance's for broad lobes
+NATIVE_BAR = 5e-6  # about 20 float32 operations on cosines of 2^-24 each; 8e-7 was seen
 SIGMAS = (0.0, 0.1, 0.3, 0.6, 1.0, np.pi / 2)
 MIRROR_SIGMAS = (0.1, 0.3, 0.6, 1.0)
 SUN_ANGLE = 30.0
 SUN_THETAS = (20.0, 60.0, 74.0)
 FURNACE_SAMPLES = 1024
 SUN_SAMPLES = 8192
-MODULES = {"mirror": oren_nayar_mirror, "direct": oren_nayar_direct}
+MODULES = {
+    "closure": oren_nayar_closure,
+    "fit": oren_nayar_fit,
+    "mirror": oren_nayar_mirror,
+    "direct": oren_nayar_direct,
+}
 
 
 def material(setup: Setup, estimator: str, kind: str, sigma: float, albedo: Any, suns: tuple[Object, ...]) -> Material:
     """The estimator's group with these inputs, bound to ``suns``."""
     module, osl = MODULES[estimator], setup.backend == "osl"
-    arguments = {} if estimator == "closure" else {"lamps": len(suns)}
+    arguments = {} if estimator in {"closure", "fit"} else {"lamps": len(suns)}
     build = partial(module.build_osl if osl else module.build, kind=kind, **arguments)
     made = bpy.data.materials.new(module.NAME)
     if bpy.app.version < (5, 0, 0):  # as in material.py; goes with 4.5 LTS
@@ -83,6 +90,27 @@ def _exact_row(test: str, setup: Setup, kind: str, sigma: float, evaluate: Calla
 def direct_row(setup: Setup, kind: str, sigma: float) -> Row:
     """``direct`` at every theta_i against the formula."""
     return _exact_row("direct", setup, kind, sigma, model(kind, sigma).evaluate, DIRECT_BAR)
+
+
+def closure_row(setup: Setup, kind: str, sigma: float) -> Row:
+    """``closure`` against the closed formula of Cycles' own model, at the roughness that stands for sigma."""
+    reference = model(kind, sigma)
+    r = fit.closure_roughness(reference.sigma, qualitative=reference.qualitative)
+
+    def evaluate(wi: NDArray[np.float64], wo: NDArray[np.float64]) -> NDArray[np.float64]:
+        return fit.cycles_diffuse(wi, wo, reference.albedo, r)
+
+    return _exact_row("closure", setup, kind, sigma, evaluate, NATIVE_BAR)
+
+
+def fit_row(setup: Setup, kind: str, sigma: float) -> Row:
+    """``fit`` against the fitted BRDF; how near that is to Oren-Nayar 1994, ``tools/fit_oren_nayar.py`` says."""
+    reference = model(kind, sigma)
+
+    def evaluate(wi: NDArray[np.float64], wo: NDArray[np.float64]) -> NDArray[np.float64]:
+        return fit.oren_nayar_fit(wi, wo, reference.albedo, reference.sigma, qualitative=reference.qualitative)
+
+    return _exact_row("fit", setup, kind, sigma, evaluate, NATIVE_BAR)
 
 
 def furnace_row(setup: Setup, kind: str, sigma: float, albedo: Any = ALBEDO) -> Row:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from . import oren_nayar_table
 from ._tree import Number, Tree, Value
 
 if TYPE_CHECKING:
@@ -33,7 +34,9 @@ def source(shader: str) -> str:
 
 
 def _header(name: str) -> str:
-    """Text of a header of ours; empty for those that come with Cycles."""
+    """Text of a header of ours, a file or one written from a table; empty for those that come with Cycles."""
+    if name == "oren_nayar_fit.h":
+        return oren_nayar_table.header()
     path = FOLDER / "include" / name
     return path.read_text(encoding="utf-8") if path.exists() else ""
 
