@@ -30,6 +30,7 @@ SIGMAS = (0.0, 0.1, 0.3, 0.6, 1.0, np.pi / 2)
 MIRROR_SIGMAS = (0.1, 0.3, 0.6, 1.0)
 SUN_ANGLE = 30.0
 SUN_THETAS = (20.0, 60.0, 74.0)
+NOISY_ROWS = 34  # of the plan, judged by Z-tests; they add to check.NOISY_ROWS
 FURNACE_SAMPLES = 1024
 SUN_SAMPLES = 8192
 MODULES = {
@@ -152,3 +153,16 @@ def model(kind: str, sigma: float, albedo: Any = ALBEDO) -> OrenNayar:
     """The reference with what float32 sockets hold of the parameters."""
     held = min(float(np.float32(sigma)), np.pi / 2)
     return OrenNayar(np.float64(np.float32(albedo)), held, qualitative=kind == "qualitative")
+
+
+def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
+    """Every row, as the function that measures it and its arguments."""
+    rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
+    for setup in check.SETUPS:
+        for kind in fit.KINDS:
+            rows += [(row, (setup, kind, sigma)) for row in (direct_row, closure_row, fit_row) for sigma in SIGMAS]
+            rows += [(furnace_row, (setup, kind, sigma)) for sigma in MIRROR_SIGMAS]
+        if setup is not check.SETUPS[1]:  # nodes run as OSL draw the very same directions: the furnace shows it
+            rows += [(sun_row, (setup, "full", sigma)) for sigma in MIRROR_SIGMAS]
+            rows.append((sun_row, (setup, "qualitative", MIRROR_SIGMAS[-1])))
+    return rows
