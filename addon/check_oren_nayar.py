@@ -32,7 +32,7 @@ SUN_ANGLE = 30.0
 SUN_THETAS = (20.0, 60.0, 74.0)
 NOISY_ROWS = 34  # of the plan, judged by Z-tests; they add to check.NOISY_ROWS
 FURNACE_SAMPLES = 1024
-SUN_SAMPLES = 8192
+SUN_SAMPLES = 20480
 MODULES = {
     "closure": oren_nayar_closure,
     "fit": oren_nayar_fit,
