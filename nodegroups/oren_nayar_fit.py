@@ -2,7 +2,7 @@
 """Estimator ``fit``: two of Cycles' diffuse closures whose sum is near the 1994 model; quiet, and sees every light.
 
 Cycles' Oren-Nayar of roughness 1 carries the retro-reflection, and Lambert the rest of the 1994 model's albedo, which
-is kept to 0.5 %. L1 of f cos over all wi in per cent, worst of albedos up to 0.8, for views up to 80 degrees and at 89
+is kept to 0.6 %. L1 of f cos over all wi in per cent, worst of albedos up to 0.8, for views up to 80 degrees and at 89
 (``tools/fit_oren_nayar.py`` prints it by view). No sum of the two closures would be better by more than 1.3 there:
 
     sigma               6        17        34        57        90 degrees
