@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from . import beckmann_d, cook_torrance, ensure, fresnel, vgroove_g
 from ._tree import Tree, Value, dot, length, less, maximum, normalize
+from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
@@ -29,20 +30,6 @@ def build_osl(tree: Tree, kind: str, lamps: int) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=10.0)
     beams = beam_interfaces(tree, lamps)
     tree.output_shader("Emission", emission_osl(tree, kind, inputs, beams), tip="To the material's Surface")
-
-
-Beams = list[tuple[Value, Value]]
-
-
-def beam_interfaces(tree: Tree, lamps: int) -> Beams:
-    """Sockets for each lamp that take what its group (``lamp.py``) gives: direction to it and its irradiance."""
-    beams = []
-    for index in range(1, lamps + 1):
-        with tree.panel(f"Lamp {index}"):
-            wi = tree.input_vector(f"To Lamp {index}", (0, 0, 1), hide_value=True, tip="From the lamp's group")
-            tip = "From the lamp's group, in W/m^2 across the beam"
-            beams.append((wi, tree.input_color(f"Irradiance {index}", (0, 0, 0), tip=tip)))
-    return beams
 
 
 def emission(tree: Tree, kind: str, inputs: cook_torrance.Inputs, beams: Beams) -> NodeSocket:

@@ -10,10 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..addon.reference.cook_torrance_fit import FUNCTIONS, table
+from ..addon.reference.cook_torrance_fit import FUNCTIONS
 from . import cook_torrance, ensure
 from . import cook_torrance_closure as closure
 from ._tree import Tree, Value, cross, dot, exp, length, maximum, minimum, normalize, scale, sqrt, vector
+from .cook_torrance_table import by_lobe, count
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
@@ -67,12 +68,8 @@ def lobes(tree: Tree, m: Value, N: Value) -> list[Lobe]:
     weights, acrosses, withins = (outputs[name].xyz for name in ("Weight", "Across", "Within"))
     return [
         Lobe(weights[k], acrosses[k], withins[k], outputs[f"Normal {k + 1}"], outputs["Tangent"])
-        for k in range(lobe_count())
+        for k in range(count())
     ]
-
-
-def lobe_count() -> int:
-    return len(table()["weight"])
 
 
 def build_lobes(tree: Tree) -> None:
@@ -97,14 +94,14 @@ def build_lobes(tree: Tree) -> None:
     tree.output_vector("Weight", maximum(weight, 0.0), tip="Of each lobe")
     tree.output_vector("Across", across, tip="RMS slope across the plane of view, of each lobe")
     tree.output_vector("Within", within, tip="RMS slope within the plane of view, of each lobe")
-    for k in range(lobe_count()):
+    for k in range(count()):
         tree.output_vector(f"Normal {k + 1}", normals[k], tip="The lobe's own normal")
     tree.output_vector("Tangent", cross(N, wo), tip="Across the plane of view")
 
 
 def _polynomial(tree: Tree, name: str, x: Value, m: Value) -> Value:
     """Sum of c_jk x^j m^k by Horner's rule."""
-    coefficients = _by_lobe(name)
+    coefficients = by_lobe(name)
     result: Value | tuple[float, float, float] | None = None
     for row in reversed(coefficients):
         of_m: Value | tuple[float, float, float] = row[-1]
@@ -113,25 +110,3 @@ def _polynomial(tree: Tree, name: str, x: Value, m: Value) -> Value:
         result = of_m if result is None else tree.math("MULTIPLY_ADD", result, x, of_m)
     assert isinstance(result, Value)
     return result
-
-
-def _by_lobe(name: str) -> list[list[tuple[float, float, float]]]:
-    """Coefficients [j][k] with one component a lobe; zeros where there are fewer than three."""
-    numbers = table()[name]
-    count, rows, columns = numbers.shape
-    return [
-        [tuple(float(numbers[lobe, j, k]) if lobe < count else 0.0 for lobe in range(3)) for k in range(columns)]  # type: ignore[misc]
-        for j in range(rows)
-    ]
-
-
-def osl_header() -> str:
-    """The same polynomials as OSL functions ``fit_NAME(x, m)``."""
-    functions = []
-    for name in FUNCTIONS:
-        lines = [
-            "    p = p * x + (" + " + m * (".join(f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row) + ")" * len(row) + ";"
-            for row in reversed(_by_lobe(name))
-        ]
-        functions.append("\n".join([f"vector fit_{name}(float x, float m)", "{", "    vector p = 0;", *lines, "    return p;", "}", ""]))
-    return "\n".join([f"#define FIT_LOBES {lobe_count()}", "", *functions])

@@ -29,6 +29,7 @@ from ._tree import (
     sqrt,
     vector,
 )
+from .lamp_beams import beam_interfaces
 from .random_numbers import random_numbers
 from .shading_normal import shading_normal
 
@@ -43,14 +44,14 @@ STREAM = 1
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
     """With ``lamps``: those of zero size, which no ray can hit, are added by ``direct``; no light counts twice."""
     inputs = cook_torrance.interface(tree, kind, m_high=10.0)
-    beams = direct.beam_interfaces(tree, lamps)
+    beams = beam_interfaces(tree, lamps)
     shaders = [facet(tree, kind, inputs)] + ([direct.emission(tree, kind, inputs, beams)] if beams else [])
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=10.0)
-    beams = direct.beam_interfaces(tree, lamps)
+    beams = beam_interfaces(tree, lamps)
     shaders = [cook_torrance.script(tree, "mirror", kind, inputs).outputs[0]]
     shaders += [direct.emission_osl(tree, kind, inputs, beams)] if beams else []
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")

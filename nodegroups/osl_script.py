@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from . import cook_torrance_table, oren_nayar_table
 from ._tree import Number, Tree, Value
 
 if TYPE_CHECKING:
@@ -24,21 +25,25 @@ class OslError(RuntimeError):
 
 
 FOLDER = Path(__file__).parent.parent / "osl"
+TABLES = {"oren_nayar_fit.h": oren_nayar_table.header, "cook_torrance_fit_table.h": cook_torrance_table.header}
 
 
 def source(shader: str) -> str:
     """Text of ``osl/SHADER.osl`` with our own headers in place of their #include lines."""
     text = (FOLDER / f"{shader}.osl").read_text(encoding="utf-8")
-    return re.sub(r'#include "((?!stdcycles)\w+\.h)"', lambda found: _header(found[1]), text)
+    return _inlined(text)
+
+
+def _inlined(text: str) -> str:
+    """Headers of ours, files or tables written as OSL, in place of their #include lines; Cycles' own stay."""
+    return re.sub(r'#include "(\w+\.h)"', lambda found: _header(found[1]) or found[0], text)
 
 
 def _header(name: str) -> str:
-    """Text of ``osl/include/NAME``, or of a table of the reference."""
-    if name == "cook_torrance_fit_table.h":
-        from .cook_torrance_fit import osl_header
-
-        return osl_header()
-    return (FOLDER / "include" / name).read_text(encoding="utf-8")
+    if name in TABLES:
+        return TABLES[name]()
+    path = FOLDER / "include" / name
+    return _inlined(path.read_text(encoding="utf-8")) if path.exists() else ""
 
 
 def text_block(shader: str) -> Text:

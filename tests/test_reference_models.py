@@ -396,6 +396,54 @@ def test_sum_adds_its_parts(d, wi, wo):
     np.testing.assert_allclose(got, d * flat.evaluate(wi, wo) + (1 - d) * rough.evaluate(wi, wo), rtol=1e-15)
 
 
+@given(wi=upper, wo=upper)
+@settings(thorough, max_examples=20)  # each a quadrature
+def test_coupled_sum_scatters_what_is_not_mirrored(wi, wo):
+    """f = d (1 - s E_s(wo)) f_diffuse + s f_specular, by channel."""
+    flat, rough = OrenNayar((0.1, 0.5, 0.9), 0.3), CookTorrance(0.4, Schlick((0.04, 0.5, 1.0)))
+    got = Sum(flat, rough, 0.9, 0.8, coupled=True).evaluate(wi, wo)
+    expected = 0.9 * (1 - 0.8 * albedo(rough, wo)) * flat.evaluate(wi, wo) + 0.8 * rough.evaluate(wi, wo)
+    assert got.shape == (3,)
+    np.testing.assert_allclose(got, expected, rtol=1e-9)  # a view in another azimuth rounds its cosine otherwise
+
+
+@pytest.mark.parametrize("m", [0.02, 0.3, 1.0])
+def test_coupled_sum_of_white_parts_loses_nothing(m):
+    """d = s = 1 over white Lambert: 1 - E_s + E_s = 1 at every view; 0 from below, for a bundle and for none."""
+    mixed = Sum(Lambert(1.0), CookTorrance(m, Dielectric(1.5)), 1.0, 1.0, coupled=True)
+    wo = np.stack([*spherical(ANGLES[:-1:2]), -UP])
+    np.testing.assert_allclose(albedo(mixed, wo), [[1.0] * 3] * (len(wo) - 1) + [[0.0] * 3], rtol=1e-12)
+    assert albedo(mixed, UP).shape == (3,)
+    assert mixed.evaluate(UP, np.zeros((0, 3))).shape == (0, 3)
+    assert mixed.evaluate(UP, np.zeros((2, 0, 3))).shape == (2, 0, 3)
+
+
+def test_coupled_sum_takes_a_slope_for_each_direction():
+    """As ``CookTorrance`` does."""
+    m, wo = np.array([0.1, 0.5]), spherical(0.7, np.array([0.0, 1.0]))
+    got = Sum(Lambert(0.5), CookTorrance(m, Schlick(0.5)), 1.0, 1.0, coupled=True).evaluate(UP, wo)
+    for index in range(2):
+        one = Sum(Lambert(0.5), CookTorrance(m[index], Schlick(0.5)), 1.0, 1.0, coupled=True)
+        np.testing.assert_allclose(got[index], one.evaluate(UP, wo[index]), rtol=1e-12)
+
+
+def test_coupled_sum_asks_each_view_once(monkeypatch):
+    """One quadrature a cosine, whatever the azimuths, the lights and the calls."""
+    rough, asked = CookTorrance(0.3, Schlick(0.5)), []
+    original = CookTorrance.directional_albedo
+
+    def counted(model, wo):
+        asked.extend(wo[:, 2])
+        return original(model, wo)
+
+    monkeypatch.setattr(CookTorrance, "directional_albedo", counted)
+    mixed = Sum(Lambert(0.5), rough, 1.0, 1.0, coupled=True)
+    views = np.broadcast_to(np.stack([at_height(0.5), at_height(0.8)]), (50, 2, 3))
+    for light in (UP, at_height(0.3)):
+        mixed.evaluate(light, views)
+    assert asked == [0.5, 0.8]
+
+
 # --- D and G --------------------------------------------------------------------------------------------------------
 
 
@@ -485,7 +533,7 @@ FIELDS = [
     (Smooth(Schlick(0.5)), ["fresnel"]),
     (OrenNayar(0.5, 0.3), ["albedo", "sigma", "qualitative"]),
     (Lambert(0.5), ["albedo"]),
-    (Sum(Lambert(0.5), Smooth(Schlick(0.5)), 0.3, 0.7), ["diffuse", "specular", "d", "s"]),
+    (Sum(Lambert(0.5), Smooth(Schlick(0.5)), 0.3, 0.7), ["diffuse", "specular", "d", "s", "coupled"]),
     (Schlick(0.5), ["f0"]),
     (Dielectric(1.5), ["eta"]),
     (Conductor(0.2, 3.9), ["n", "k"]),

@@ -254,7 +254,12 @@ def test_weight_is_f_cos_over_pdf(case):
     assert (weight[~inside] == 0).all()
 
 
-WEIGHED = [*CASES, *((Sum(Lambert(0.5), Smooth(Dielectric(1.5)), 0.6, 0.4), view) for view in (0.0, 85.0))]
+WEIGHED = [
+    *CASES,
+    *((Sum(Lambert(0.5), Smooth(Dielectric(1.5)), 0.6, 0.4), view) for view in (0.0, 85.0)),
+    *((Sum(OrenNayar(0.5, 0.3), CookTorrance(0.4, FRESNEL), 1.0, 0.8, coupled=True), view) for view in (0.0, 85.0)),
+    (Sum(Lambert(0.5), Smooth(Dielectric(1.5)), 1.0, 1.0, coupled=True), 85.0),
+]
 
 
 @pytest.mark.parametrize("index", range(len(WEIGHED)), ids=[name(case) for case in WEIGHED])

@@ -6,6 +6,7 @@ light, ``wo`` to the viewer, shape (..., 3). A BRDF value is f(wi, wo) in 1/sr, 
 without the cosine.
 """
 
+from . import oren_nayar_fit
 from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
 from .directions import reflect, spherical
 from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
@@ -31,6 +32,7 @@ __all__ = [
     "fresnel_conductor",
     "fresnel_dielectric",
     "oren_nayar",
+    "oren_nayar_fit",
     "reflect",
     "schlick",
     "smith_g",

@@ -7,12 +7,13 @@ Source: Cook & Torrance 1982, R = d R_d + s R_s with d + s = 1.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .cook_torrance import Smooth, as_samples
-from .directions import as_range
+from .directions import as_directions, as_range
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -23,22 +24,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sum:
-    """f = d f_diffuse + s f_specular, with weights ``d``, ``s`` in [0, 1] and d + s <= 1."""
+    """f = d f_diffuse + s f_specular, with weights ``d``, ``s`` in [0, 1] and d + s <= 1.
+
+    coupled: f = d (1 - s E_s(wo)) f_diffuse + s f_specular, E_s the specular part's directional albedo: what is
+    mirrored cannot be scattered as well, so the diffuse part darkens toward grazing views, and d + s may exceed 1.
+    Not reciprocal: light that arrives at grazing angles is not held back in the same way.
+    """
 
     diffuse: Model
     specular: Model
     d: float
     s: float
+    coupled: bool = False
 
     def __post_init__(self) -> None:
         d, s = as_range(self.d, "d", 0.0, 1.0), as_range(self.s, "s", 0.0, 1.0)
-        if d + s > 1.0 + 1e-12:
+        if d + s > 1.0 + 1e-12 and not self.coupled:
             message = f"d + s must be at most 1 (more light would leave than arrives), got {d:.15g} + {s:.15g}"
             raise ValueError(message)
 
     def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
         """f(wi, wo) in 1/sr, (..., 3)."""
-        return self.d * self.diffuse.evaluate(wi, wo) + self.s * self.specular.evaluate(wi, wo)
+        return self._left(wo) * self.diffuse.evaluate(wi, wo) + self.s * self.specular.evaluate(wi, wo)
 
     def sample(self, wo: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
         """Draw from one lobe, chosen by u[..., 0] in proportion to d and s.
@@ -66,7 +73,28 @@ class Sum:
 
     def directional_albedo(self, wo: ArrayLike) -> Floats:
         """Directional albedo, (..., 3): the weighted sum of both parts'."""
-        return self.d * self.diffuse.directional_albedo(wo) + self.s * self.specular.directional_albedo(wo)
+        return self._left(wo) * self.diffuse.directional_albedo(wo) + self.s * self.specular.directional_albedo(wo)
+
+    def _left(self, wo: ArrayLike) -> Floats | float:
+        """The diffuse part's weight: d, or d (1 - s E_s(wo)), (..., 3)."""
+        return self.d * (1.0 - self.s * self._specular_albedo(wo)) if self.coupled else self.d
+
+    def _specular_albedo(self, wo: ArrayLike) -> Floats:
+        """E_s of each direction, a quadrature for each new cosine; a slope for each direction rules that out."""
+        wo = as_directions(wo, "wo")
+        if np.ndim(getattr(self.specular, "m", 0.0)):
+            return self.specular.directional_albedo(wo)
+        cosines, index = np.unique(wo[..., 2], return_inverse=True)
+        new = np.array([cosine for cosine in cosines.tolist() if cosine not in self._known])
+        views = np.stack([np.sqrt((1.0 - new) * (1.0 + new)), 0.0 * new, new], axis=-1)
+        self._known.update(zip(new.tolist(), self.specular.directional_albedo(views), strict=True))
+        values = np.array([self._known[cosine] for cosine in cosines.tolist()]).reshape(-1, 3)
+        return values[index.reshape(wo.shape[:-1])]
+
+    @cached_property
+    def _known(self) -> dict[float, Floats]:
+        """E_s by n.v, as far as it was needed."""
+        return {}
 
     def _specular_share(self) -> float:
         total = self.d + self.s

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Oren-Nayar 1994 as a mixture of two diffuse closures that Cycles has: Lambert, and its own Oren-Nayar.
+
+The 1994 model depends on sigma through three factors alone, each times a function of the directions. So do the weights,
+by polynomials in tan(theta_o/2): nothing is tabulated over sigma. ``tools/fit_oren_nayar.py`` computes the numbers.
+
+Sources:
+    Oren & Nayar 1994, Generalization of Lambert's Reflectance Model, SIGGRAPH, doi:10.1145/192161.192213
+    Fujii, A tiny improvement of Oren-Nayar reflectance model, https://mimosa-pudica.net/improved-oren-nayar.html
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .directions import above, as_pair, as_range, as_rgb, dot
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .directions import Floats
+
+LOST = np.pi / 2 - 2.0 / 3.0  # Fujii's albedo at grazing angles over that from above, less 1, per unit of roughness
+# Cycles' rounded average of Fujii's albedo, over A and per unit of roughness; exactly it is within 1e-3 of this.
+AVERAGE = (2.0 * np.pi - 5.6) / 3.0
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers of one kind. Polynomials in tan(theta_o/2), lowest power first, and ``roughness`` k, c.
+
+    albedo: P of the single bounce's albedo C1 + s2/(s2 + 0.09) P. retro: W of the second closure's colour
+    rho s2/(s2 + 0.09) W. native: single scattering's albedo of Cycles' Oren-Nayar at roughness 1.
+    """
+
+    albedo: tuple[float, ...]
+    retro: tuple[float, ...]
+    native: tuple[float, ...]
+    roughness: tuple[float, float]
+
+
+def load(path: Path) -> dict[str, Table]:
+    """Both kinds' numbers from ``oren_nayar_fit.toml``."""
+    with path.open("rb") as file:
+        data: dict[str, Any] = tomllib.load(file)
+    return {kind: Table(**{name: tuple(values) for name, values in data[kind].items()}) for kind in KINDS}
+
+
+KINDS = ("full", "qualitative")
+TABLES = load(Path(__file__).with_suffix(".toml"))
+
+
+def fujii_albedo(cos: ArrayLike, roughness: ArrayLike) -> Floats:
+    """Albedo of white single scattering in Cycles' Oren-Nayar at cosine ``cos`` in [0, 1], ``roughness`` in [0, 1].
+
+    A pi + B [s (t - s c) + 2/3 (s/c (1 - s^3) - s)], A = 1/(pi + (pi/2 - 2/3) roughness), B = roughness A, t the polar
+    angle, c and s its cosine and sine.
+    """
+    c, r = as_range(cos, "cos", 0.0, 1.0), as_range(roughness, "roughness", 0.0, 1.0)
+    s = np.sqrt((1.0 - c) * (1.0 + c))
+    grazing = s * c * (1.0 + s + s * s) / (1.0 + s)  # s/c (1 - s^3) without its cancelling at c = 0
+    return (np.pi + r * (s * (np.arccos(c) - s * c) + 2.0 / 3.0 * (grazing - s))) / (np.pi + LOST * r)
+
+
+def cycles_diffuse(wi: ArrayLike, wo: ArrayLike, color: ArrayLike, roughness: ArrayLike) -> Floats:
+    """The BRDF of Cycles' Diffuse BSDF and ``oren_nayar_diffuse_bsdf`` (4.5 and 5.2 alike), in 1/sr, RGB.
+
+    f = color (A + B t) + color^3/pi Ea/(1 - Ea) (1 - E(wi)) (1 - E(wo)) / (1 - color (1 - Ea)),
+    t = s/max(n.l, n.v) where s = l.v - (n.l)(n.v) > 0, else s; E = ``fujii_albedo``, Ea its average. The second term
+    returns what the first loses, coloured as light that bounced more than once.
+
+    wi, wo: unit vectors (..., 3). color: scalar or RGB in [0, 1]. roughness: in [0, 1]. 0 below the surface.
+    Source: Fujii's improved model; the second term as measured in Cycles to 1e-6.
+    """
+    wi, wo = as_pair(wi, wo)
+    rho = as_rgb(color, "color", 0.0, 1.0) * np.ones(3)
+    r = as_range(roughness, "roughness", 0.0, 1.0)
+    lit = above(wi, wo)
+    ni, no = np.where(lit, wi[..., 2], 1.0), np.where(lit, wo[..., 2], 1.0)
+    A = 1.0 / (np.pi + LOST * r)
+    s = dot(wi[..., :2], wo[..., :2])
+    once = A * (1.0 + r * np.where(s > 0, s / np.maximum(ni, no), s))
+    Ea = A * (np.pi + AVERAGE * r)
+    lost = (1.0 - fujii_albedo(np.minimum(ni, 1.0), r)) * (1.0 - fujii_albedo(np.minimum(no, 1.0), r))
+    again = np.where(r > 0, Ea / np.where(r > 0, 1.0 - Ea, 1.0), 0.0) * lost / np.pi
+    f = rho * once[..., None] + rho**3 * again[..., None] / (1.0 - rho * (1.0 - Ea)[..., None])
+    return np.where(lit[..., None], f, 0.0)
+
+
+def closure_roughness(sigma: ArrayLike, *, qualitative: bool = False) -> Floats:
+    """Roughness of Cycles' own Oren-Nayar that is nearest to ``sigma``: min(1, k s2/(s2 + c))."""
+    s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))
+    k, c = TABLES[KINDS[qualitative]].roughness
+    return np.minimum(1.0, k * s2 / (s2 + c))
+
+
+def weights(
+    cos_o: ArrayLike, albedo: ArrayLike, sigma: ArrayLike, *, qualitative: bool = False
+) -> tuple[Floats, Floats]:
+    """Colours (..., 3) of the Lambertian closure and of Cycles' Oren-Nayar of roughness 1.
+
+    The second carries the retro-reflection; the first is the 1994 model's albedo, at most 1, less the second's.
+    cos_o: n.v in [0, 1], (...). albedo: scalar or RGB in [0, 1]. sigma: radians, in [0, pi/2].
+    """
+    x = half_tangent(as_range(cos_o, "cos_o", 0.0, 1.0))[..., None]
+    rho = as_rgb(albedo, "albedo", 0.0, 1.0) * np.ones(3)
+    s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))[..., None]
+    table = TABLES[KINDS[qualitative]]
+    facing = s2 / (s2 + 0.09)
+    once = 1.0 - 0.5 * s2 / (s2 + 0.33) + facing * polynomial(table.albedo, x)
+    twice = 0.0 if qualitative else 0.17 * s2 / (s2 + 0.13)  # its cos p averages out
+    retro = rho * facing * polynomial(table.retro, x)
+    energy = np.minimum(rho * (once + rho * twice), 1.0)
+    return np.maximum(energy - native_albedo(table, x, retro), 0.0), retro
+
+
+def native_albedo(table: Table, x: Floats, color: Floats) -> Floats:
+    """Directional albedo of Cycles' Oren-Nayar of roughness 1 and ``color``: the integral of ``cycles_diffuse``."""
+    single = polynomial(table.native, x)
+    return color * single + color**3 * MEAN * (1.0 - single) / (1.0 - color * (1.0 - MEAN))
+
+
+MEAN = (np.pi + AVERAGE) / (np.pi + LOST)  # Ea at roughness 1
+
+
+def half_tangent(cos: Floats) -> Floats:
+    """tan(theta/2): at both ends smooth in the angle, as cos is not at the normal nor sin at the horizon."""
+    return np.sqrt((1.0 - cos) / (1.0 + cos))
+
+
+def polynomial(coefficients: tuple[float, ...], x: Floats) -> Floats:
+    """Lowest power first."""
+    return np.asarray(np.polynomial.polynomial.polyval(x, coefficients), dtype=np.float64)
+
+
+def oren_nayar_fit(
+    wi: ArrayLike, wo: ArrayLike, albedo: ArrayLike, sigma: ArrayLike, *, qualitative: bool = False
+) -> Floats:
+    """The fitted BRDF in 1/sr, RGB (..., 3), as estimator ``fit`` renders it; parameters as ``oren_nayar``."""
+    wi, wo = as_pair(wi, wo)
+    lambert, retro = weights(np.clip(wo[..., 2], 0.0, 1.0), albedo, sigma, qualitative=qualitative)
+    return lambert / np.pi * above(wi, wo)[..., None] + cycles_diffuse(wi, wo, retro, 1.0)

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fit Cycles' diffuse closures to Oren-Nayar 1994: writes addon/reference/oren_nayar_fit.toml and prints how near.
+
+python tools/fit_oren_nayar.py [--print-only]
+
+Errors are L1: the integral over wi of |f_closure - f| cos over that of f cos, in per cent.
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import linprog, minimize, minimize_scalar
+from scipy.sparse import csr_matrix, eye, hstack, vstack
+
+from vgroove.addon.reference import oren_nayar, spherical
+from vgroove.addon.reference import oren_nayar_fit as fit
+from vgroove.addon.reference.quadrature import diffuse_albedo, panels
+
+PATH = Path(__file__).parent.parent / "addon" / "reference" / "oren_nayar_fit.toml"
+DEGREE = 5
+NODES = 16  # quadrature in each angle; 32 move no figure below by 0.1 %
+SIGMAS = (0.1, 0.3, 0.6, 1.0, np.pi / 2)
+ALBEDOS = np.array([0.2, 0.5, 0.8])  # as the three channels of one colour
+THETAS = (0.0, 20.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0)
+
+
+class View:
+    """Directions wi over the hemisphere for one cos(theta_o), and their projected solid angles."""
+
+    def __init__(self, mu: float) -> None:
+        theta_o = np.arccos(mu)
+        theta, theta_weight = panels(np.unique([0.0, theta_o, np.pi / 2]), NODES)
+        phi, phi_weight = panels(np.array([0.0, np.pi / 2, np.pi]), NODES)
+        t, p = (grid.ravel() for grid in np.meshgrid(theta, phi, indexing="ij"))
+        self.mu, self.wi = mu, spherical(t, p)
+        self.wo = np.broadcast_to(spherical(theta_o), self.wi.shape)
+        self.weight = 2.0 * np.outer(theta_weight, phi_weight).ravel() * np.sin(t) * np.cos(t)
+
+    def exact(self, sigma: float, *, qualitative: bool) -> np.ndarray:
+        return oren_nayar(self.wi, self.wo, ALBEDOS, sigma, qualitative=qualitative)
+
+    def l1(self, f: np.ndarray, exact: np.ndarray) -> np.ndarray:
+        """Per cent, for each albedo."""
+        return 100.0 * (self.weight @ np.abs(f - exact)) / (self.weight @ exact)
+
+    def optimum(self, exact: np.ndarray) -> np.ndarray:
+        """The least L1 of any non-negative mixture of Lambert and single-scattering Fujii, by a linear program."""
+        basis = np.stack([np.full(len(self.wi), 1.0 / np.pi), single_fujii(self.wi, self.wo)], axis=-1)
+        a, one = csr_matrix(basis * self.weight[:, None]), eye(len(basis))
+        matrix = vstack([hstack([a, -one]), hstack([-a, -one])])
+        cost = np.concatenate([np.zeros(2), np.ones(len(basis))])
+        errors = []
+        for channel in exact.T:
+            aim = channel * self.weight
+            done = linprog(cost, A_ub=matrix, b_ub=np.concatenate([aim, -aim]), method="highs")
+            errors.append(100.0 * done.fun / aim.sum())
+        return np.array(errors)
+
+
+def single_fujii(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Cycles' Oren-Nayar of roughness 1 over its colour, for a colour so dark that light bounces once."""
+    return fit.cycles_diffuse(wi, wo, 1e-9, 1.0)[:, 0] / 1e-9
+
+
+def at(mu: float) -> np.ndarray:
+    return spherical(np.arccos(mu))
+
+
+def cosines(count: int, low: float = 0.0) -> np.ndarray:
+    """Of angles whose tan(theta_o/2) are Chebyshev nodes in [low, 1]."""
+    t = low + (1.0 - low) * (0.5 - 0.5 * np.cos(np.pi * (np.arange(count) + 0.5) / count))
+    return (1.0 - t * t) / (1.0 + t * t)
+
+
+def polynomial(mu: np.ndarray, values: list[float]) -> list[float]:
+    return [round(float(c), 5) for c in np.polynomial.polynomial.polyfit(fit.half_tangent(mu), values, DEGREE)]
+
+
+def albedo(*, qualitative: bool) -> list[float]:
+    """P from the albedo at one sigma, for it factors; this sigma is below where f is cut at 0."""
+    s2, mu = 0.25, cosines(40)
+    bounce = 0.0 if qualitative else 0.17 * s2 / (s2 + 0.13)  # at white
+
+    def energy(cosine: float) -> float:
+        f = partial(oren_nayar, albedo=1.0, sigma=0.5, qualitative=qualitative)
+        return float(diffuse_albedo(at(cosine), f, 64)[0])
+
+    once = np.array([energy(cosine) for cosine in mu]) - bounce
+    return polynomial(mu, (once - 1.0 + 0.5 * s2 / (s2 + 0.33)) / (s2 / (s2 + 0.09)))
+
+
+def retro(*, qualitative: bool) -> list[float]:
+    """W: at each angle what gives the least L1 over all sigmas and albedos, the albedo being kept."""
+    mu = cosines(24, low=0.12)  # nearer the normal W hardly matters
+
+    def best(view: View) -> float:
+        exact = [view.exact(sigma, qualitative=qualitative) for sigma in SIGMAS]
+
+        def error(W: float) -> float:
+            total = 0.0
+            for sigma, f in zip(SIGMAS, exact, strict=True):
+                lobe = fit.cycles_diffuse(view.wi, view.wo, ALBEDOS * W * sigma**2 / (sigma**2 + 0.09), 1.0)
+                rest = view.weight @ (f - lobe)
+                total += float(np.sum(view.l1(lobe + rest / np.pi, f)))
+            return total
+
+        return float(minimize_scalar(error, bounds=(0.0, 0.8), method="bounded").x)
+
+    return polynomial(mu, [best(View(cosine)) for cosine in mu])
+
+
+def roughness(*, qualitative: bool) -> list[float]:
+    """k and c that make Cycles' own closure nearest, on average over sigma, albedo and projected views."""
+    x, weight = np.polynomial.legendre.leggauss(6)
+    views = [View(float(mu)) for mu in (x + 1.0) / 2.0]
+    share = weight * (x + 1.0) / 2.0
+    sigmas = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.25, np.pi / 2)
+    exact = [[view.exact(sigma, qualitative=qualitative) for view in views] for sigma in sigmas]
+
+    def error(kc: np.ndarray) -> float:
+        total = 0.0
+        for sigma, row in zip(sigmas, exact, strict=True):
+            r = float(np.clip(kc[0] * sigma**2 / (sigma**2 + abs(kc[1])), 0.0, 1.0))
+            for view, f, part in zip(views, row, share, strict=True):
+                # Relative to how far Lambert is off: each sigma counts alike.
+                total += part * float(np.mean(view.l1(fit.cycles_diffuse(view.wi, view.wo, ALBEDOS, r), f))) / sigma
+        return total
+
+    found = minimize(error, [1.0, 0.3], method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-3})
+    return [round(float(value), 2) for value in found.x]
+
+
+def native() -> list[float]:
+    mu = cosines(40)
+    return polynomial(mu, fit.fujii_albedo(mu, 1.0))
+
+
+def write() -> None:
+    """The data file, then read back so that the table below shows what it holds."""
+    lines = [
+        "# SPDX-License-Identifier: GPL-3.0-or-later",
+        "# Made by tools/fit_oren_nayar.py; meanings in oren_nayar_fit.py",
+    ]
+    for kind in fit.KINDS:
+        qualitative = kind == "qualitative"
+        numbers = {
+            "albedo": albedo(qualitative=qualitative),
+            "retro": retro(qualitative=qualitative),
+            "native": native(),
+            "roughness": roughness(qualitative=qualitative),
+        }
+        lines += ["", f"[{kind}]", *(f"{name} = {values}" for name, values in numbers.items())]
+    PATH.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    fit.TABLES.update(fit.load(PATH))
+
+
+def report() -> None:
+    """Optimum, fit and plain closure for every sigma and view; the worst of three albedos each."""
+    for kind in fit.KINDS:
+        qualitative = kind == "qualitative"
+        print(f"\n{kind}: L1 in % of the best mixture / fit / closure at its roughness / closure at roughness = sigma")
+        print("theta_o   " + "".join(f"{degrees:^22.0f}" for degrees in THETAS))
+        for sigma in SIGMAS:
+            cells = []
+            for degrees in THETAS:
+                view = View(float(np.cos(np.radians(degrees))))
+                exact = view.exact(sigma, qualitative=qualitative)
+                r = float(fit.closure_roughness(sigma, qualitative=qualitative))
+                models = (
+                    fit.oren_nayar_fit(view.wi, view.wo, ALBEDOS, sigma, qualitative=qualitative),
+                    fit.cycles_diffuse(view.wi, view.wo, ALBEDOS, r),
+                    fit.cycles_diffuse(view.wi, view.wo, ALBEDOS, min(sigma, 1.0)),
+                )
+                errors = [view.optimum(exact), *(view.l1(f, exact) for f in models)]
+                cells.append(" /".join(f"{np.max(error):4.1f}" for error in errors))
+            print(f"sigma {sigma:.2f}" + "".join(f"{cell:^22}" for cell in cells), flush=True)
+
+
+if __name__ == "__main__":
+    if "--print-only" not in sys.argv:
+        write()
+    report()
