@@ -10,6 +10,7 @@ from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
 from .directions import reflect, spherical
 from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
 from .fresnel import Conductor, Dielectric, Fresnel, Schlick, fresnel_conductor, fresnel_dielectric, schlick
+from .glass import Glass, Pane, fresnel_transmittance, glass_btdf, refract
 from .model import Model, albedo
 from .oren_nayar import Lambert, OrenNayar, oren_nayar
 from .sum import Sum
@@ -19,9 +20,11 @@ __all__ = [
     "CookTorrance",
     "Dielectric",
     "Fresnel",
+    "Glass",
     "Lambert",
     "Model",
     "OrenNayar",
+    "Pane",
     "Schlick",
     "Smooth",
     "Sum",
@@ -30,8 +33,11 @@ __all__ = [
     "cook_torrance",
     "fresnel_conductor",
     "fresnel_dielectric",
+    "fresnel_transmittance",
+    "glass_btdf",
     "oren_nayar",
     "reflect",
+    "refract",
     "schlick",
     "smith_g",
     "spherical",
