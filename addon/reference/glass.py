@@ -89,7 +89,7 @@ def fresnel_transmittance(c: Floats, g: Floats, eta: ArrayLike) -> Floats:
     return 2.0 * c * g * (1.0 / np.square(c + g) + np.square(eta / (eta * eta * c + g)))
 
 
-def glass_btdf(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, eta: ArrayLike) -> Floats:
+def glass_btdf(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, eta: ArrayLike, G: ArrayLike | None = None) -> Floats:
     """The BTDF of a rough interface, in 1/sr, (...).
 
     f = (1 - F) D G2t (v.h) |l.h| / ((n.v) |n.l|) * eta^2 / ((v.h) + eta (l.h))^2,
@@ -99,7 +99,8 @@ def glass_btdf(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, eta: ArrayLike) -> Fl
     is then the share of a uniform sky that arrives. Cycles leaves that factor out too.
 
     wi: unit vectors (..., 3) to the light below, wo: to the viewer above. m: RMS slope > 0. eta: index below over
-    above, > 0. Returns float64 (...); 0 where no facet refracts one into the other, and for eta = 1, a delta.
+    above, > 0. G: shadowing to use in place of ``transmitted_g``.
+    Returns float64 (...); 0 where no facet refracts one into the other, and for eta = 1, a delta.
     Source: Walter et al. 2007, eqs. 16, 17 and 21; G2t: Heitz & d'Eon 2014, supplemental material (V-cavity model).
     """
     wi, wo = as_pair(wi, wo)
@@ -109,7 +110,7 @@ def glass_btdf(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, eta: ArrayLike) -> Fl
     c, ct = np.where(found, dot(wo, h), 1.0), np.where(found, -dot(wi, h), 1.0)
     ni, no = np.where(found, -wi[..., 2], 1.0), np.where(found, wo[..., 2], 1.0)
     T = fresnel_transmittance(c, eta * ct, eta)
-    G = transmitted_g(wi, wo, h)
+    G = transmitted_g(wi, wo, h) if G is None else np.asarray(G)
     jacobian = np.square(eta / np.where(found, length, 1.0))
     return np.where(found, T * beckmann_d(h, m) * (G * (c / no)) * (ct / ni) * jacobian, 0.0)
 

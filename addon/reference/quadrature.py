@@ -158,7 +158,7 @@ def _vgroove_mean(vz: float, m: float, eta: float, weight: Weight, nodes: int) -
     nh, c = 1.0 / np.sqrt(length2), np.minimum(A / np.sqrt(length2), 1.0)
     G1 = np.minimum(1.0, 2.0 * vz / A)
     R = np.maximum(np.minimum(G1, 4.0 / length2 - 2.0 * vz / A), 0.0) / G1
-    g = np.sqrt(np.maximum(add_product(np.float64(e), c, c), 0.0))  # eta |l.h|, 0 in total reflection
+    g = np.sqrt(np.maximum(add_product(np.asarray(e), c, c), 0.0))  # eta |l.h|, 0 in total reflection
     down = np.maximum(vz + e * nh / (g + c), 0.0)  # eta |n.l|
     G1l = np.minimum(1.0, 2.0 * nh * down / np.where(g > 0, g, 1.0))
     T = np.where(g > 0, np.maximum(G1 - (1.0 - G1l), 0.0), 0.0) / G1
