@@ -14,29 +14,45 @@ from . import fresnel, osl_script, shading_normal
 from ._tree import Value, clamp, dot, select, vector
 
 if TYPE_CHECKING:
-    from bpy.types import Node, NodeSocket
+    from bpy.types import NodeSocket
 
-    from ._tree import Tree
+    from ._tree import Number, Tree
+
+
+TINT_TIP = "Multiplies what passes"
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """The artist's inputs by reference name; ``m`` is None where the interface is smooth."""
+    """The artist's inputs of a smooth interface, by reference name."""
 
     eta: Value
-    m: Value | None
     tint: Value
     normal: Value
 
 
-def interface(tree: Tree, *, smooth: bool, m_high: float, tint_tip: str = "Multiplies what passes") -> Inputs:
-    """IOR; Slope m unless ``smooth``; Tint; Normal. The same for both backends."""
+@dataclass(frozen=True)
+class RoughInputs(Inputs):
+    """And of a rough one."""
+
+    m: Value
+
+
+def smooth_inputs(tree: Tree) -> Inputs:
+    """IOR, Tint and Normal. The same for every estimator and backend."""
     eta = fresnel.interface(tree, "dielectric")["eta"]
-    m = None if smooth else tree.input_float(
+    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=TINT_TIP)
+    return Inputs(eta, tint, shading_normal.interface(tree))
+
+
+def rough_inputs(tree: Tree, *, m_high: float, tint_tip: str = TINT_TIP) -> RoughInputs:
+    """IOR, Slope m, Tint and Normal. The same for both backends."""
+    eta = fresnel.interface(tree, "dielectric")["eta"]
+    m = tree.input_float(
         "Slope m", 0.1, low=1e-4, high=m_high, tip="RMS slope of the facets; Blender's Roughness is its square root"
-    )  # fmt: skip
+    )
     tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=tint_tip)
-    return Inputs(eta, m, tint, shading_normal.interface(tree))
+    return RoughInputs(eta, tint, shading_normal.interface(tree), m)
 
 
 def index_ahead(tree: Tree, eta: Value) -> Value:
@@ -71,13 +87,16 @@ def smooth_interface(tree: Tree, inputs: Inputs, *, thin: bool) -> NodeSocket:
     return split(tree, N, F, 1.0 - F, inputs, thin=thin)
 
 
-def script(tree: Tree, estimator: str, inputs: Inputs, *, thin: bool) -> Node:
-    """The OSL shader ``glass_ESTIMATOR`` fed by these inputs; a smooth interface is ``mirror``'s with no facets."""
-    rough = {} if inputs.m is None else {"m": inputs.m}
-    if not rough:
-        estimator = "mirror"
-    elif estimator == "mirror":
-        rough["smooth"] = 0
-    return osl_script.script(
-        tree, f"glass_{estimator}", eta=inputs.eta, tint=inputs.tint, Normal=inputs.normal, thin=int(thin), **rough
+def script(tree: Tree, estimator: str, inputs: Inputs, *, thin: bool) -> NodeSocket:
+    """The OSL shader ``glass_ESTIMATOR`` fed by these inputs; a smooth interface is ``mirror``'s without facets."""
+    more: dict[str, Number] = {}
+    if isinstance(inputs, RoughInputs):
+        more["m"] = inputs.m
+        if estimator == "mirror":
+            more["smooth"] = 0
+    else:
+        estimator, more["smooth"] = "mirror", 1
+    node = osl_script.script(
+        tree, f"glass_{estimator}", eta=inputs.eta, tint=inputs.tint, Normal=inputs.normal, thin=int(thin), **more
     )
+    return node.outputs[0]

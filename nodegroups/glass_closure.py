@@ -18,36 +18,35 @@ if TYPE_CHECKING:
 
 NAME = "VGroove Glass Closure"
 REVISION = 1
+M_HIGH = 1.0  # Cycles clamps alpha to it
 # Blender's Glass BSDF has one colour for both lobes; only a smooth interface, a sheet and OSL keep them apart.
 TINT_TIP = "Multiplies what passes; on rough glass as nodes also what is reflected"
 
 
 def build(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
     """``thin``: a sheet, whose facets are panes. ``smooth``: m = 0, without Slope m."""
-    inputs = glass.interface(tree, smooth=smooth, m_high=1.0, tint_tip=TINT_TIP)  # Cycles clamps alpha to 1
     if smooth:
-        shader = glass.smooth_interface(tree, inputs, thin=thin)
+        shader = glass.smooth_interface(tree, glass.smooth_inputs(tree), thin=thin)
+    elif thin:
+        shader = _sheet(tree, glass.rough_inputs(tree, m_high=M_HIGH))
     else:
-        shader = _sheet(tree, inputs) if thin else _glass(tree, inputs)
+        shader = _glass(tree, glass.rough_inputs(tree, m_high=M_HIGH, tint_tip=TINT_TIP))
     tree.output_shader("BSDF", shader, tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
-    inputs = glass.interface(tree, smooth=smooth, m_high=1.0, tint_tip=TINT_TIP)
-    tree.output_shader(
-        "BSDF", glass.script(tree, "closure", inputs, thin=thin).outputs[0], tip="To the material's Surface"
-    )
+    tip = glass.TINT_TIP if thin else TINT_TIP
+    inputs = glass.smooth_inputs(tree) if smooth else glass.rough_inputs(tree, m_high=M_HIGH, tint_tip=tip)
+    tree.output_shader("BSDF", glass.script(tree, "closure", inputs, thin=thin), tip="To the material's Surface")
 
 
-def _glass(tree: Tree, inputs: glass.Inputs) -> NodeSocket:
-    assert inputs.m is not None
+def _glass(tree: Tree, inputs: glass.RoughInputs) -> NodeSocket:
     node = tree.node("ShaderNodeBsdfGlass", inputs.tint, sqrt(inputs.m), inputs.eta, distribution="BECKMANN")
     tree.connect(inputs.normal, node.inputs["Normal"])
     return node.outputs["BSDF"]
 
 
-def _sheet(tree: Tree, inputs: glass.Inputs) -> NodeSocket:
-    assert inputs.m is not None
+def _sheet(tree: Tree, inputs: glass.RoughInputs) -> NodeSocket:
     with tree.frame("F82 fitted to the pane head-on, at 82 degrees and grazing"):
         f0 = glass.reflectance(tree, 1.0, inputs.eta, thin=True)
         f82 = glass.reflectance(tree, F82_COSINE, inputs.eta, thin=True)

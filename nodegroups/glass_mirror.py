@@ -23,21 +23,20 @@ REVISION = 1
 
 def build(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
     """``thin``: a sheet, whose facets are panes. ``smooth``: m = 0, without Slope m and random numbers."""
-    inputs = glass.interface(tree, smooth=smooth, m_high=10.0)
-    shader = glass.smooth_interface(tree, inputs, thin=thin) if smooth else facet(tree, inputs, thin=thin)
+    if smooth:
+        shader = glass.smooth_interface(tree, glass.smooth_inputs(tree), thin=thin)
+    else:
+        shader = facet(tree, glass.rough_inputs(tree, m_high=10.0), thin=thin)
     tree.output_shader("BSDF", shader, tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
-    inputs = glass.interface(tree, smooth=smooth, m_high=10.0)
-    tree.output_shader(
-        "BSDF", glass.script(tree, "mirror", inputs, thin=thin).outputs[0], tip="To the material's Surface"
-    )
+    inputs = glass.smooth_inputs(tree) if smooth else glass.rough_inputs(tree, m_high=10.0)
+    tree.output_shader("BSDF", glass.script(tree, "mirror", inputs, thin=thin), tip="To the material's Surface")
 
 
-def facet(tree: Tree, inputs: glass.Inputs, *, thin: bool) -> NodeSocket:
+def facet(tree: Tree, inputs: glass.RoughInputs, *, thin: bool) -> NodeSocket:
     """A mirror and a refraction about one random facet."""
-    assert inputs.m is not None
     N = shading_normal(tree, inputs.normal)
     wo = tree.geometry("Incoming")
     h = visible_facet(tree, N, wo, inputs.m)
