@@ -12,7 +12,7 @@ import tempfile
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import bpy
 import numpy as np
@@ -23,7 +23,7 @@ from .material import Choice, build
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from bpy.types import Material, Object, Scene
+    from bpy.types import Material, Node, Object, Scene, World
     from numpy.typing import NDArray
 
     from .presets import Preset
@@ -33,7 +33,10 @@ if TYPE_CHECKING:
 class Geometry:
     """What is measured. Angles in degrees; ``window`` half width around the mirror direction, 0 for the hemisphere.
 
-    ``sun_angle`` is the sun's full angle (0: a direction); ``furnace``: a uniform white world in place of the sun.
+    Beyond 90 degrees of theta_i the sun shines from below, through the patch, and the window is around the direction
+    that a smooth interface of index ``eta`` (below over above) refracts it to.
+    ``sun_angle`` is the sun's full angle (0: a direction); ``furnace``: a uniform white world in place of the sun, or
+    the half of it that ``lit`` names. ``inside``: the patch shows its back.
     """
 
     theta_i: float = 0.0
@@ -41,6 +44,20 @@ class Geometry:
     resolution: tuple[int, int] = (64, 64)
     sun_angle: float = 0.0
     furnace: bool = False
+    lit: Literal["all", "above", "below"] = "all"
+    eta: float = 1.0
+    inside: bool = False
+
+    @property
+    def axis(self) -> float:
+        """theta in degrees such that the window is around (-sin, 0, cos): theta_i, or what it is refracted from."""
+        if self.theta_i <= 90.0:
+            return self.theta_i
+        sine = self.eta * np.sin(np.radians(self.theta_i))
+        if sine >= 1.0:
+            message = f"light at {self.theta_i:g} degrees is reflected totally at eta = {self.eta:g}; use a smaller eta"
+            raise ValueError(message)
+        return float(np.degrees(np.arcsin(sine)))
 
     def wi(self) -> NDArray[np.float64]:
         """Direction to the (centre of the) sun, (3,)."""
@@ -57,7 +74,7 @@ class Geometry:
             theta, phi = np.pi / 2 * y, 2 * np.pi * x
             return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
         a, b = np.radians(self.window * (2 * x - 1)), np.radians(self.window * (2 * y - 1))
-        inclined = np.radians(self.theta_i) + a
+        inclined = np.radians(self.axis) + a
         # w + tan(a) e1 + tan(b) e2, times cos(a)
         wo = np.stack([-np.sin(inclined), np.cos(a) * np.tan(b), np.cos(inclined)], axis=-1)
         return wo / np.linalg.norm(wo, axis=-1, keepdims=True)
@@ -97,7 +114,7 @@ def _measure(
 ) -> NDArray[np.float32]:
     with stage(geometry.resolution, samples=samples, seed=seed, shading_osl=shading_osl) as scene:
         lamps = light(scene, geometry)
-        _patch(scene, make(lamps))
+        _patch(scene, make(lamps), inside=geometry.inside)
         _camera(scene, geometry)
         return rendered(scene)
 
@@ -146,20 +163,34 @@ def light(scene: Scene, geometry: Geometry) -> tuple[Object, ...]:
     world.node_tree.links.new(background.outputs[0], output.inputs["Surface"])
     level = 1.0 if geometry.furnace else 0.0
     background.inputs["Color"].default_value = (level, level, level, 1.0)
+    if geometry.furnace and geometry.lit != "all":
+        _light_half(world, background, geometry.lit)
     if geometry.furnace:
         return ()
     sun = bpy.data.lights.new("VGroove gonio", "SUN")
-    sun.energy, sun.angle = 1.0 / np.cos(np.radians(geometry.theta_i)), np.radians(geometry.sun_angle)
+    sun.energy, sun.angle = 1.0 / abs(np.cos(np.radians(geometry.theta_i))), np.radians(geometry.sun_angle)
     lamp = bpy.data.objects.new("VGroove gonio", sun)
     lamp.rotation_euler = (0.0, np.radians(geometry.theta_i), 0.0)
     scene.collection.objects.link(lamp)
     return (lamp,)
 
 
-def _patch(scene: Scene, material: Material) -> None:
+def _light_half(world: World, background: Node, lit: str) -> None:
+    """White above or below the horizon, black on the other side."""
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    direction, split, step = (
+        nodes.new(kind) for kind in ("ShaderNodeTexCoord", "ShaderNodeSeparateXYZ", "ShaderNodeMath")
+    )
+    step.operation, step.inputs[1].default_value = "GREATER_THAN" if lit == "above" else "LESS_THAN", 0.0
+    links.new(direction.outputs["Generated"], split.inputs[0])
+    links.new(split.outputs["Z"], step.inputs[0])
+    links.new(step.outputs[0], background.inputs["Strength"])
+
+
+def _patch(scene: Scene, material: Material, *, inside: bool = False) -> None:
     """One triangle far larger than what the camera sees: rays through an inner edge would miss."""
     mesh = bpy.data.meshes.new("VGroove gonio")
-    mesh.from_pydata([(-4, -3, 0), (4, -3, 0), (0, 5, 0)], [], [(0, 1, 2)])
+    mesh.from_pydata([(-4, -3, 0), (4, -3, 0), (0, 5, 0)], [], [(0, 2, 1) if inside else (0, 1, 2)])
     mesh.materials.append(material)
     scene.collection.objects.link(bpy.data.objects.new("VGroove gonio", mesh))
 
@@ -174,7 +205,7 @@ def _camera(scene: Scene, geometry: Geometry) -> None:
         cycles.osl.update_custom_camera_shader(camera, lambda *_: None)
     custom = camera.cycles_custom
     custom["resolution"] = (*map(float, geometry.resolution), 0.0)
-    custom["window"], custom["theta_i"] = float(geometry.window), float(geometry.theta_i)
+    custom["window"], custom["theta_i"] = float(geometry.window), float(geometry.axis)
     item = bpy.data.objects.new("VGroove gonio", camera)
     scene.collection.objects.link(item)
     scene.camera = item

@@ -7,38 +7,20 @@ Source: Heitz & d'Eon 2014, V-cavity model; ``visible_facet`` and ``CookTorrance
 
 from __future__ import annotations
 
-from math import pi
 from typing import TYPE_CHECKING
 
 from . import cook_torrance, fresnel
 from . import cook_torrance_direct as direct
-from ._tree import (
-    Tree,
-    clamp,
-    cos,
-    cross,
-    dot,
-    less,
-    log,
-    maximum,
-    minimum,
-    normalize,
-    scale,
-    select,
-    sin,
-    sqrt,
-    vector,
-)
+from ._tree import Tree, clamp, dot, maximum, minimum, scale, vector
 from .lamp_beams import beam_interfaces
-from .random_numbers import random_numbers
 from .shading_normal import shading_normal
+from .visible_facet import visible_facet
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Mirror"
 REVISION = 1
-STREAM = 1
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
@@ -61,18 +43,7 @@ def facet(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
     """A mirror about a random facet, weighted by what the facet's density leaves of the BRDF."""
     N = shading_normal(tree, inputs.normal)
     wo = tree.geometry("Incoming")
-    u1, u2, u3 = random_numbers(tree, STREAM)
-    with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
-        axis = select(less(N.xyz[2] ** 2, 0.8), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
-        T = normalize(cross(N, axis))
-        B = cross(N, T)
-        tan = inputs.m * sqrt(-log(maximum(1.0 - u1, 1e-7)))  # u1 may round to 1
-        phi = 2.0 * pi * u2
-        lean = scale(T, tan * cos(phi)) + scale(B, tan * sin(phi))
-        h, dual = normalize(N + lean), normalize(N - lean)
-    with tree.frame("The side that the view sees"):
-        seen, dual_seen = maximum(dot(wo, h), 0.0), maximum(dot(wo, dual), 0.0)
-        h = select(less(u3 * (seen + dual_seen), seen), h, dual)
+    h = visible_facet(tree, N, wo, inputs.m)
     with tree.frame("Weight F G2 / G1"):
         vh = clamp(dot(wo, h))
         wi = scale(h, 2.0 * vh) - wo

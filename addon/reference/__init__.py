@@ -11,6 +11,7 @@ from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
 from .directions import reflect, spherical
 from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
 from .fresnel import Conductor, Dielectric, Fresnel, Schlick, fresnel_conductor, fresnel_dielectric, schlick
+from .glass import Glass, Pane, fresnel_transmittance, glass_btdf, refract
 from .model import Model, albedo
 from .oren_nayar import Lambert, OrenNayar, oren_nayar
 from .sum import Sum
@@ -20,9 +21,11 @@ __all__ = [
     "CookTorrance",
     "Dielectric",
     "Fresnel",
+    "Glass",
     "Lambert",
     "Model",
     "OrenNayar",
+    "Pane",
     "Schlick",
     "Smooth",
     "Sum",
@@ -31,9 +34,12 @@ __all__ = [
     "cook_torrance",
     "fresnel_conductor",
     "fresnel_dielectric",
+    "fresnel_transmittance",
+    "glass_btdf",
     "oren_nayar",
     "oren_nayar_fit",
     "reflect",
+    "refract",
     "schlick",
     "smith_g",
     "spherical",

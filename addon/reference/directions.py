@@ -107,9 +107,31 @@ def dot(a: Floats, b: Floats) -> Floats:
     return np.einsum("...i,...i->...", a, b)
 
 
+def add_product(a: Floats, b: Floats, c: Floats) -> Floats:
+    """a + b c with the rounding of the product carried along, for where the two nearly cancel.
+
+    Dekker's product (Numer. Math. 18, 1971): factors split into 26 bits each, so that the error of b c is exact.
+    """
+    product = b * c
+    b_high, c_high = _high(b), _high(c)
+    b_low, c_low = b - b_high, c - c_high
+    error = ((b_high * c_high - product) + b_high * c_low + b_low * c_high) + b_low * c_low
+    return (product + a) + error
+
+
+def _high(x: Floats) -> Floats:
+    split = 134217729.0 * x  # 2^27 + 1
+    return split - (split - x)
+
+
 def above(wi: Floats, wo: Floats) -> NDArray[np.bool_]:
     """Where both directions leave the upper side of the surface; tangent ones do not."""
     return (wi[..., 2] > TANGENT) & (wo[..., 2] > TANGENT)
+
+
+def through(wi: Floats, wo: Floats) -> NDArray[np.bool_]:
+    """Where wi leaves the lower and wo the upper side of the surface; tangent ones do not."""
+    return (wi[..., 2] < -TANGENT) & (wo[..., 2] > TANGENT)
 
 
 def half_vector(wi: Floats, wo: Floats) -> Floats:

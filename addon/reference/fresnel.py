@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from .directions import as_finite, as_positive, as_range, as_rgb
+from .directions import add_product, as_finite, as_positive, as_range, as_rgb
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,7 +56,7 @@ def fresnel_dielectric(cos: ArrayLike, eta: ArrayLike) -> Floats:
     """
     c, eta = _with_channels(as_cosine(cos), as_positive(eta, "eta", *INDEX_RANGE))
     beyond = (eta - 1.0) * (eta + 1.0)  # eta^2 - 1, to the last digit also next to eta = 1
-    g2 = _square_plus(c, beyond)
+    g2 = add_product(beyond, c, c)
     g = np.sqrt(np.maximum(g2, 0.0))
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # only where 1 is put in below
         g_minus_c = beyond / np.where(g + c > 0, g + c, 1.0)  # g - c itself would cancel
@@ -91,7 +91,7 @@ def fresnel_conductor(cos: ArrayLike, n: ArrayLike, k: ArrayLike) -> Floats:
     sin2 = (1.0 - c) * (1.0 + c)
     # g^2 is c^2 + (N^2 - 1), which keeps its digits next to N = 1, and N^2 - sin^2, which does next to N = 0.
     near_zero = 8.0 * np.maximum(np.abs(n2.real), sin2) < np.maximum(c * c, np.abs(beyond.real))
-    g2 = np.where(near_zero, n2.real - sin2, _square_plus(c, beyond.real))
+    g2 = np.where(near_zero, n2.real - sin2, add_product(beyond.real, c, c))
     g = np.sqrt(g2 + 1j * beyond.imag)
     # c - g and N^2 c - g cancel next to N = 1; multiplied out with c + g and N^2 c + g they are products.
     sum_s, sum_p = c + g, n2 * c + g
@@ -199,16 +199,3 @@ def _critical_cosines(n: Floats, k: Floats) -> tuple[float, ...]:
     scale = np.sqrt(np.hypot(beyond, 2.0 * np.ravel(n * k)))
     near_one = np.outer(scale[(scale > 0) & (scale < 0.3)], [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0]).ravel()
     return tuple(sorted({float(value) for value in (*critical, *near_one) if 0.0 < value < 1.0}))
-
-
-def _square_plus(c: Floats, b: Floats) -> Floats:
-    """c^2 + b with the rounding of c^2 carried along: next to the critical angle the two nearly cancel.
-
-    Dekker's product (Numer. Math. 18, 1971): c = high + low, each of 26 bits, so that the error of c * c is exact.
-    """
-    square = c * c
-    split = 134217729.0 * c  # 2^27 + 1
-    high = split - (split - c)
-    low = c - high
-    error = ((high * high - square) + 2.0 * high * low) + low * low
-    return (square + b) + error

@@ -8,11 +8,13 @@ in the slopes p, q).
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
-from .directions import TANGENT, as_directions, as_positive
+from .directions import TANGENT, add_product, as_directions, as_positive
+from .fresnel import Dielectric, fresnel_dielectric
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
 
     from .directions import Floats
     from .fresnel import Fresnel
+
+    Weight = Callable[[Floats, Floats, Floats], Floats]
 
 NODES = 16
 REACH = 7.0  # slopes beyond 7 m carry exp(-49) of the facets
@@ -95,11 +99,15 @@ def _vgroove_moment(vz: float, m: float, fresnel: Fresnel, moment: int, nodes: i
 
 def _outer_edges(vx: float, vz: float, m: float, kinks: Sequence[float]) -> Floats:
     """Panel edges in p: where lines and circles of the inner kinks begin, end or cross q = 0."""
-    t = vx / vz
-    far = t + np.sqrt(t * t + 1.0)
+    far = vx / vz + np.sqrt(np.square(vx / vz) + 1.0)
     low, high = max(-1.0 / far, -REACH * m), min(far, REACH * m)  # beyond, light leaves below the surface
+    return np.unique(np.clip([low, high, *_outer_kinks(vx, vz, m, kinks)], low, high))
+
+
+def _outer_kinks(vx: float, vz: float, m: float, kinks: Sequence[float]) -> list[float]:
+    t = vx / vz
     scales = np.concatenate([LADDER, SPREAD * m])
-    edges = [low, high, 0.0, t, *scales, *-scales]
+    edges = [0.0, t, *scales, *-scales]
     edges += [root.real for root in np.roots([t, 3.0, -3.0 * t, -1.0]) if abs(root.imag) < 1e-9]
     if t > 0:
         edges += [1.0 / t, *((LADDER - 1.0) / t), *((np.logspace(-8, -3, 6) - 1.0) / t)]
@@ -108,7 +116,7 @@ def _outer_edges(vx: float, vz: float, m: float, kinks: Sequence[float]) -> Floa
         if t > 0:  # where the kink's circle meets those of the horizon and of shadowing
             meets = np.array([2.0 * kink**2 / vz, np.sqrt(vz * vz + 4.0 * kink**2) - vz, kink**2 / vz])
             edges += [*((meets - vz) / vx)]
-    return np.unique(np.clip(edges, low, high))
+    return edges
 
 
 def _inner_edges(p: Floats, A: Floats, vz: float, m: float, kinks: Sequence[float]) -> Floats:
@@ -123,6 +131,81 @@ def _inner_edges(p: Floats, A: Floats, vz: float, m: float, kinks: Sequence[floa
     edges = [np.broadcast_to(edge, p.shape) for edge in fixed]
     edges += [shadow, end, *(circle(np.square(A / kink)) for kink in kinks)]
     return np.sort(np.minimum(np.stack(edges, axis=-1), end[:, None]), axis=-1)
+
+
+def vgroove_mean(wo: ArrayLike, m: ArrayLike, eta: float, weight: Weight, *, nodes: int = NODES) -> Floats:
+    """Mean of ``weight(F, R, T)`` over the facets of an interface as ``wo`` sees them; RGB (..., 3), channels equal.
+
+    F: the facet's reflectance. R = G2/G1 and T = G2t/G1: the shares of reflected and of refracted light that no other
+    facet stops. With slopes p (in the plane of view) and q as in ``vgroove_albedo``:
+    1/v_z  integral of  P(p, q) A G1 weight dp dq.
+    eta: index below over above. F R gives the reflected light, (1 - F) T the transmitted; products give variances.
+    """
+    wo = as_directions(wo, "wo")
+    slopes = np.broadcast_to(as_positive(m, "m"), wo.shape[:-1]).ravel()
+    return per_direction(wo, lambda cosine, index: _vgroove_mean(cosine, float(slopes[index]), eta, weight, nodes))
+
+
+def _vgroove_mean(vz: float, m: float, eta: float, weight: Weight, nodes: int) -> Floats:
+    vx = np.sqrt((1.0 - vz) * (1.0 + vz))
+    e = (eta - 1.0) * (eta + 1.0)
+    kinks = Dielectric(eta).kinks
+    p, p_weight = panels(_refraction_outer_edges(vx, vz, m, e, kinks), nodes)
+    A = np.maximum(vx * p + vz, 1e-16 * vz)  # rounding may put the first panel's start on the far side of v.h = 0
+    q, q_weight = panels(_refraction_inner_edges(p, A, vz, m, e, kinks), nodes)
+    p, A = p[:, None], A[:, None]
+    length2 = 1.0 + p * p + q * q
+    nh, c = 1.0 / np.sqrt(length2), np.minimum(A / np.sqrt(length2), 1.0)
+    G1 = np.minimum(1.0, 2.0 * vz / A)
+    R = np.maximum(np.minimum(G1, 4.0 / length2 - 2.0 * vz / A), 0.0) / G1
+    g = np.sqrt(np.maximum(add_product(np.asarray(e), c, c), 0.0))  # eta |l.h|, 0 in total reflection
+    down = np.maximum(vz + e * nh / (g + c), 0.0)  # eta |n.l|
+    G1l = np.minimum(1.0, 2.0 * nh * down / np.where(g > 0, g, 1.0))
+    T = np.where(g > 0, np.maximum(G1 - (1.0 - G1l), 0.0), 0.0) / G1
+    P = np.exp(-np.square(p / m) - np.square(q / m)) / (np.pi * m * m)
+    mean = P * (A / vz) * G1 * weight(fresnel_dielectric(c, eta), R, T)
+    return 2.0 * np.einsum("pq,pq,p->", mean, q_weight, p_weight)  # q < 0 mirrors q > 0
+
+
+def _shadow_terms(A: Floats | Polynomial, b: Floats | Polynomial, vz: float, e: float) -> tuple[Any, Any, Any]:
+    """k0, k1, k2 of k0 y^2 + k1 y + k2 = 0 for y = 1 + p^2 + q^2 where the refracted light's G1(l) is b/A.
+
+    2 (n.h)|n.l|/|l.h| = b/A squares to a quadratic in (n.h)^2 = 1/y: the cubes of both sides cancel.
+    """
+    return e * b * b, A * A * (b * b - 4.0 * vz * vz) - 4.0 * e * b * A, A * A * (4.0 * e + 8.0 * vz * A - 4.0 * b * A)
+
+
+def _refraction_outer_edges(vx: float, vz: float, m: float, e: float, kinks: Sequence[float]) -> Floats:
+    """As ``_outer_edges`` up to all facets that wo sees, with those at which G1(l) = 1 and G2t = 0 begin or end."""
+    t = vx / vz
+    low, high = (max(-1.0 / t, -REACH * m) if t > 0 else -REACH * m), REACH * m
+    far = t + np.sqrt(t * t + 1.0)
+    edges = [low, high, -1.0 / far, far, *_outer_kinks(vx, vz, m, kinks)]
+    A, y = Polynomial([vz, vx]), Polynomial([1.0, 0.0, 1.0])  # y at q = 0
+    for b in (A, A - 2.0 * vz, Polynomial([0.0])):
+        k0, k1, k2 = _shadow_terms(A, b, vz, e)
+        for curve in (k0 * y * y + k1 * y + k2, k1 * k1 - 4.0 * k0 * k2):
+            edges += [root.real for root in curve.trim().roots() if abs(root.imag) < 1e-6]
+    return np.unique(np.clip(edges, low, high))
+
+
+def _refraction_inner_edges(p: Floats, A: Floats, vz: float, m: float, e: float, kinks: Sequence[float]) -> Floats:
+    """Panel edges in q for each p: those of reflection, and of the refracted light's shadowing."""
+    end = REACH * m
+
+    def circle(length2: Floats) -> Floats:
+        return np.sqrt(np.clip(np.nan_to_num(length2, nan=0.0) - 1.0 - p * p, 0.0, end * end))
+
+    G1 = np.minimum(1.0, 2.0 * vz / A)
+    fixed = np.concatenate([[0.0, end], LADDER, SPREAD * m])
+    edges = [np.broadcast_to(edge, p.shape) for edge in fixed]
+    edges += [circle(2.0 * A / vz), circle(4.0 / (G1 + 2.0 * vz / A)), *(circle(np.square(A / kink)) for kink in kinks)]
+    for b in (A, A - np.minimum(A, 2.0 * vz)):
+        k0, k1, k2 = _shadow_terms(A, b, vz, e)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s = -0.5 * (k1 + np.copysign(np.sqrt(k1 * k1 - 4.0 * k0 * k2), k1))
+            edges += [circle(s / k0), circle(k2 / s)]
+    return np.sort(np.minimum(np.stack(edges, axis=-1), end), axis=-1)
 
 
 def diffuse_albedo(wo: ArrayLike, evaluate: Callable[[Floats, Floats], Floats], nodes: int = 160) -> Floats:

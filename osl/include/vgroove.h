@@ -17,6 +17,15 @@ float vgroove_g(float nh, float nv, float nl, float vh)
     return min(1, 2 * nh * min(nv, nl) / vh);
 }
 
+// What is refracted: max(G1(v) + G1(l) - 1, 0), with g = eta |l.h| and eta |n.l| = n.v + (g - v.h) (n.h)
+float vgroove_g_below(float nh, float nv, float vh, float G1, float eta)
+{
+    float beyond = (eta - 1) * (eta + 1);
+    float g = sqrt(max(0, vh * vh + beyond));
+    float below = max(0, nv + nh * beyond / max(g + vh, 1e-7));
+    return max(0, G1 - (1 - min(1, 2 * nh * below / max(g, 1e-7))));
+}
+
 // Schlick 1994, eq. 15
 color schlick(float cosine, color f0)
 {
@@ -32,6 +41,12 @@ float fresnel_dielectric(float cosine, float eta)
     float s = (g - c) / (g + c);
     float p = (c * (g + c) - 1) / (c * (g - c) + 1);
     return 0.5 * s * s * (1 + p * p);
+}
+
+// A thin loss-less sheet: both faces, with all reflections between them
+float pane(float F)
+{
+    return 2 * F / (1 + F);
 }
 
 // Born & Wolf 14.2; A = |g|^2 and a = Re g of g^2 = (n + ik)^2 - sin^2
@@ -67,4 +82,24 @@ closure color native_lobe(int kind, normal Normal, vector T, float at, float ab,
 normal shading_normal(normal given)
 {
     return dot(given, given) < 1e-12 ? N : normalize(given);
+}
+
+// Random numbers from the position, which every sample and bounce moves; one hash stream a number
+float random_number(float stream)
+{
+    return noise("hash", P, stream + noise("hash", I));
+}
+
+// A facet by D(h) (n.h), swapped for its dual across the groove where the view rather sees that. Heitz & d'Eon 2014
+vector visible_facet(normal n0, vector wo, float m)
+{
+    vector T = normalize(cross(n0, n0[2] * n0[2] < 0.8 ? vector(0, 0, 1) : vector(1, 0, 0)));
+    vector B = cross(n0, T);
+
+    float slope = m * sqrt(-log(max(1 - random_number(1), 1e-7)));  // the hash may round to 1
+    float phi = M_2PI * random_number(2);
+    vector lean = slope * (cos(phi) * T + sin(phi) * B);
+    vector h = normalize(n0 + lean), dual = normalize(n0 - lean);
+    float seen = max(0, dot(wo, h)), dual_seen = max(0, dot(wo, dual));
+    return random_number(3) * (seen + dual_seen) >= seen ? dual : h;
 }

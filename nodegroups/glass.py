@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What both glass groups share: the artist's inputs, an interface's Fresnel term, and its pair of closures.
+
+Cycles tells a shader which side it is on by Backfacing; Normal and Incoming are then already turned to that side.
+Its Refraction and Glass BSDF invert their IOR there themselves; what is computed here has to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from . import fresnel, osl_script, shading_normal
+from ._tree import Value, clamp, dot, select, vector
+
+if TYPE_CHECKING:
+    from bpy.types import NodeSocket
+
+    from ._tree import Number, Tree
+
+
+TINT_TIP = "Multiplies what passes"
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The artist's inputs of a smooth interface, by reference name."""
+
+    eta: Value
+    tint: Value
+    normal: Value
+
+
+@dataclass(frozen=True)
+class RoughInputs(Inputs):
+    """And of a rough one."""
+
+    m: Value
+
+
+def smooth_inputs(tree: Tree) -> Inputs:
+    """IOR, Tint and Normal. The same for every estimator and backend."""
+    eta = fresnel.interface(tree, "dielectric")["eta"]
+    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=TINT_TIP)
+    return Inputs(eta, tint, shading_normal.interface(tree))
+
+
+def rough_inputs(tree: Tree, *, m_high: float, tint_tip: str = TINT_TIP) -> RoughInputs:
+    """IOR, Slope m, Tint and Normal. The same for both backends."""
+    eta = fresnel.interface(tree, "dielectric")["eta"]
+    m = tree.input_float(
+        "Slope m", 0.1, low=1e-4, high=m_high, tip="RMS slope of the facets; Blender's Roughness is its square root"
+    )
+    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=tint_tip)
+    return RoughInputs(eta, tint, shading_normal.interface(tree), m)
+
+
+def index_ahead(tree: Tree, eta: Value) -> Value:
+    """Index of the far side over that of the viewer's: 1/eta from inside."""
+    return select(tree.geometry("Backfacing"), 1.0 / eta, eta)
+
+
+def reflectance(tree: Tree, cosine: Value | float, eta: Value, *, thin: bool) -> Value:
+    """F of one facet at ``cosine``; of a thin pane with all reflections between its faces."""
+    F = fresnel.reflectance(tree, "dielectric", {"eta": eta}, cosine)
+    return 2.0 * F / (1.0 + F) if thin else F
+
+
+def split(tree: Tree, h: Value, R: Value, T: Value, inputs: Inputs, *, thin: bool) -> NodeSocket:
+    """A perfect mirror about ``h`` of weight R beside perfect refraction, or no bending if ``thin``, of weight T."""
+    mirror = tree.node("ShaderNodeBsdfAnisotropic", R, 0.0, distribution="BECKMANN")
+    tree.connect(h, mirror.inputs["Normal"])
+    through = inputs.tint * vector(T, T, T)
+    if thin:
+        ahead = tree.node("ShaderNodeBsdfTransparent", through)
+    else:
+        ahead = tree.node("ShaderNodeBsdfRefraction", through, 0.0, inputs.eta, distribution="BECKMANN")
+        tree.connect(h, ahead.inputs["Normal"])
+    return tree.add_shaders([mirror.outputs["BSDF"], ahead.outputs["BSDF"]])
+
+
+def smooth_interface(tree: Tree, inputs: Inputs, *, thin: bool) -> NodeSocket:
+    """m = 0: F(n.v) and 1 - F(n.v), exact and without random numbers."""
+    N = shading_normal.shading_normal(tree, inputs.normal)
+    eta = inputs.eta if thin else index_ahead(tree, inputs.eta)
+    F = reflectance(tree, clamp(dot(N, tree.geometry("Incoming"))), eta, thin=thin)
+    return split(tree, N, F, 1.0 - F, inputs, thin=thin)
+
+
+def script(tree: Tree, estimator: str, inputs: Inputs, *, thin: bool) -> NodeSocket:
+    """The OSL shader ``glass_ESTIMATOR`` fed by these inputs; a smooth interface is ``mirror``'s without facets."""
+    more: dict[str, Number] = {}
+    if isinstance(inputs, RoughInputs):
+        more["m"] = inputs.m
+        if estimator == "mirror":
+            more["smooth"] = 0
+    else:
+        estimator, more["smooth"] = "mirror", 1
+    node = osl_script.script(
+        tree, f"glass_{estimator}", eta=inputs.eta, tint=inputs.tint, Normal=inputs.normal, thin=int(thin), **more
+    )
+    return node.outputs[0]

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Estimator ``closure``: Cycles' own Beckmann glass, which has Smith's G in place of the V-groove's.
+
+Smooth interfaces are exact. Of a thin sheet F is F82 fitted to the pane, and what goes straight on is 1 - F(n.v).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from . import glass
+from ._tree import Tree, clamp, dot, sqrt, vector
+from .cook_torrance_closure import F82_COSINE
+from .shading_normal import shading_normal
+
+if TYPE_CHECKING:
+    from bpy.types import NodeSocket
+
+NAME = "VGroove Glass Closure"
+REVISION = 1
+M_HIGH = 1.0  # Cycles clamps alpha to it
+# Blender's Glass BSDF has one colour for both lobes; only a smooth interface, a sheet and OSL keep them apart.
+TINT_TIP = "Multiplies what passes; on rough glass as nodes also what is reflected"
+
+
+def build(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
+    """``thin``: a sheet, whose facets are panes. ``smooth``: m = 0, without Slope m."""
+    if smooth:
+        shader = glass.smooth_interface(tree, glass.smooth_inputs(tree), thin=thin)
+    elif thin:
+        shader = _sheet(tree, glass.rough_inputs(tree, m_high=M_HIGH))
+    else:
+        shader = _glass(tree, glass.rough_inputs(tree, m_high=M_HIGH, tint_tip=TINT_TIP))
+    tree.output_shader("BSDF", shader, tip="To the material's Surface")
+
+
+def build_osl(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
+    tip = glass.TINT_TIP if thin else TINT_TIP
+    inputs = glass.smooth_inputs(tree) if smooth else glass.rough_inputs(tree, m_high=M_HIGH, tint_tip=tip)
+    tree.output_shader("BSDF", glass.script(tree, "closure", inputs, thin=thin), tip="To the material's Surface")
+
+
+def _glass(tree: Tree, inputs: glass.RoughInputs) -> NodeSocket:
+    node = tree.node("ShaderNodeBsdfGlass", inputs.tint, sqrt(inputs.m), inputs.eta, distribution="BECKMANN")
+    tree.connect(inputs.normal, node.inputs["Normal"])
+    return node.outputs["BSDF"]
+
+
+def _sheet(tree: Tree, inputs: glass.RoughInputs) -> NodeSocket:
+    with tree.frame("F82 fitted to the pane head-on, at 82 degrees and grazing"):
+        f0 = glass.reflectance(tree, 1.0, inputs.eta, thin=True)
+        f82 = glass.reflectance(tree, F82_COSINE, inputs.eta, thin=True)
+        tint = f82 / (f0 + (1.0 - f0) * (1.0 - F82_COSINE) ** 5)
+    metallic = tree.node("ShaderNodeBsdfMetallic", distribution="BECKMANN", fresnel_type="F82")
+    tree.connect(vector(f0, f0, f0), metallic.inputs["Base Color"])
+    tree.connect(vector(tint, tint, tint), metallic.inputs["Edge Tint"])
+    tree.connect(sqrt(inputs.m), metallic.inputs["Roughness"])
+    tree.connect(inputs.normal, metallic.inputs["Normal"])
+    N = shading_normal(tree, inputs.normal)
+    T = 1.0 - glass.reflectance(tree, clamp(dot(N, tree.geometry("Incoming"))), inputs.eta, thin=True)
+    straight = tree.node("ShaderNodeBsdfTransparent", inputs.tint * vector(T, T, T))
+    return tree.add_shaders([metallic.outputs["BSDF"], straight.outputs["BSDF"]])

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A facet normal for each sample, drawn as the V-groove shows it to the view: ``visible_facet`` of the reference.
+
+Source: Heitz & d'Eon 2014, V-cavity model.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING
+
+from ._tree import cos, cross, dot, less, log, maximum, normalize, scale, select, sin, sqrt
+from .random_numbers import random_numbers
+
+if TYPE_CHECKING:
+    from ._tree import Tree, Value
+
+STREAM = 1
+
+
+def visible_facet(tree: Tree, N: Value, wo: Value, m: Value) -> Value:
+    """h by D(h) (n.h), swapped for its dual across the groove where the view rather sees that."""
+    u1, u2, u3 = random_numbers(tree, STREAM)
+    with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
+        axis = select(less(N.xyz[2] ** 2, 0.8), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+        T = normalize(cross(N, axis))
+        B = cross(N, T)
+        tan = m * sqrt(-log(maximum(1.0 - u1, 1e-7)))  # u1 may round to 1
+        phi = 2.0 * pi * u2
+        lean = scale(T, tan * cos(phi)) + scale(B, tan * sin(phi))
+        h, dual = normalize(N + lean), normalize(N - lean)
+    with tree.frame("The side that the view sees"):
+        seen, dual_seen = maximum(dot(wo, h), 0.0), maximum(dot(wo, dual), 0.0)
+        return select(less(u3 * (seen + dual_seen), seen), h, dual)
