@@ -16,7 +16,6 @@ from ._tree import (
     Tree,
     clamp,
     cos,
-    cross,
     dot,
     less,
     log,
@@ -27,6 +26,7 @@ from ._tree import (
     select,
     sin,
     sqrt,
+    tangents,
     vector,
 )
 from .random_numbers import random_numbers
@@ -62,9 +62,7 @@ def facet(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
     wo = tree.geometry("Incoming")
     u1, u2, u3 = random_numbers(tree, STREAM)
     with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
-        axis = select(less(N.xyz[2] ** 2, 0.8), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
-        T = normalize(cross(N, axis))
-        B = cross(N, T)
+        T, B = tangents(N)
         tan = inputs.m * sqrt(-log(maximum(1.0 - u1, 1e-7)))  # u1 may round to 1
         phi = 2.0 * pi * u2
         lean = scale(T, tan * cos(phi)) + scale(B, tan * sin(phi))

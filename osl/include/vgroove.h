@@ -59,3 +59,16 @@ normal shading_normal(normal given)
 {
     return dot(given, given) < 1e-12 ? N : normalize(given);
 }
+
+// Two unit vectors at right angles to the unit vector n and to each other
+void tangents(vector n, output vector T, output vector B)
+{
+    T = normalize(cross(n, n[2] * n[2] < 0.8 ? vector(0, 0, 1) : vector(1, 0, 0)));
+    B = cross(n, T);
+}
+
+// Random numbers from the position, which every sample and bounce moves; one hash stream a number
+float random_number(float stream)
+{
+    return noise("hash", P, stream + noise("hash", I));
+}
