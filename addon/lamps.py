@@ -25,7 +25,9 @@ STREAM = 10  # random numbers of the first bound lamp; mirror's facet has the fi
 
 def refusal(lamp: Object) -> str | None:
     """Why ``direct`` cannot follow this lamp, and how to mend it; None if it can."""
-    return next((f'{"spot" if lamp.data.type == "SPOT" else "lamp"} "{lamp.name}" {why}' for why in _refusals(lamp)), None)
+    return next(
+        (f'{"spot" if lamp.data.type == "SPOT" else "lamp"} "{lamp.name}" {why}' for why in _refusals(lamp)), None
+    )
 
 
 def _refusals(lamp: Object) -> Iterator[str]:
