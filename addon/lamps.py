@@ -71,9 +71,9 @@ def size(lamp: Object) -> float:
 
 
 def of_scene(scene: bpy.types.Scene) -> list[Object]:
-    """The lamps that light this scene's render, strongest first: by what they send to the middle of its objects.
+    """The lamps that light this scene's render, strongest first: by what reaches the middle of its objects.
 
-    The middle is the mean of the objects' own middles. Each lamp counts as if it faced it, wherever it now turns.
+    That is the mean of the objects' own middles. Each lamp counts as if it shone right at it, wherever it turns now.
     """
     things = [item for item in scene.objects if item.type in _SHADED and not item.hide_render]
     middles = [item.matrix_world @ (sum(map(Vector, item.bound_box), Vector()) / 8) for item in things]
@@ -86,7 +86,7 @@ _SHADED = {"MESH", "CURVE", "SURFACE", "META", "FONT", "POINTCLOUD", "CURVES"}
 
 
 def _irradiance(lamp: Object, place: Vector) -> float:
-    """About what reaches ``place`` across the beam, W/m^2 summed over the channels, as ``nodegroups/lamp.py`` has it."""
+    """About what reaches ``place`` across the beam: W/m^2 summed over R, G and B."""
     light = lamp.data
     color = [
         c * (t if light.use_temperature else 1.0) for c, t in zip(light.color, light.temperature_color, strict=True)

@@ -12,7 +12,8 @@ so that the mean over samples is what the whole lamp sends; what is left of the 
                  sin b = r / d; from inside, all around: P / (pi r^2), and no spot cone there. With soft falloff the
                  lamp is a disc that faces the shaded point: d^2 + r^2 in place of d^2, sin^2 b = r^2 / (d^2 + r^2)
     area         radiance P / (pi A) of one side, drawn evenly by area: P cos(c) / (pi d^2), c at the lamp; a spread of
-                 less than 180 degrees hides tan(c) / tan(spread / 2) of it and makes up for that by Gain
+                 less than 180 degrees hides tan(c) / tan(spread / 2) of it and makes up for that by Gain. Only the
+                 part of the lamp that a spread does not hide is drawn from
 """
 
 from __future__ import annotations
@@ -183,20 +184,34 @@ def _ball(tree: Tree, inputs: dict[str, Value], kind: str) -> Beam:
 
 def _area(tree: Tree, inputs: dict[str, Value], kind: str) -> Beam:
     u1, u2, _ = random_numbers(tree, inputs["Stream"])
-    with tree.frame("A point on the lamp"):
-        if kind == "ELLIPSE":
+    P = tree.geometry("Position")
+    axis = normalize(inputs["Axis"])
+    with tree.frame("What of the lamp the spread leaves: a rectangle about the foot of the perpendicular"):
+        behind = P - inputs["Position"]
+        reach = dot(axis, -behind) / maximum(inputs["Grid"], 1e-6)
+        u, width = _cut(inputs["Across"], behind, reach, u1)
+        v, height = _cut(inputs["Up"], behind, reach, u2)
+        share = width * height
+    if kind == "ELLIPSE":
+        with tree.frame("The ellipse if it is smaller, else only points of it"):
             radius, phi = 0.5 * sqrt(u1), 2.0 * pi * u2
-            u, v = radius * cos(phi), radius * sin(phi)
-        else:
-            u, v = u1 - 0.5, u2 - 0.5
-        point = inputs["Position"] + scale(inputs["Across"], u) + scale(inputs["Up"], v)
+            narrow = less(share, pi / 4.0)
+            share = select(narrow, share * less(u * u + v * v, 0.25) * (4.0 / pi), 1.0)
+            u, v = select(narrow, u, radius * cos(phi)), select(narrow, v, radius * sin(phi))
     with tree.frame("Irradiance P (cos c - sin c / tan(spread / 2)) / (pi d^2)"):
-        offset = point - tree.geometry("Position")
-        wi, distance, axis = normalize(offset), length(offset), normalize(inputs["Axis"])
+        offset = scale(inputs["Across"], u) + scale(inputs["Up"], v) - behind
+        wi, distance = normalize(offset), length(offset)
         front = maximum(dot(axis, wi), 0.0)
         passed = maximum(front - inputs["Grid"] * length(cross(axis, wi)), 0.0)
-        irradiance = inputs["Strength"] * inputs["Gain"] * passed / (pi * distance * distance)
+        irradiance = inputs["Strength"] * inputs["Gain"] * share * passed / (pi * distance * distance)
     return Beam(wi, distance, irradiance)
+
+
+def _cut(edge: Value, behind: Value, reach: Value, u: Value) -> tuple[Value, Value]:
+    """A place drawn by ``u`` where the lamp (-0.5 to 0.5 along ``edge``) is in reach, and the length of that part."""
+    middle, half = dot(behind, edge) / dot(edge, edge), reach / length(edge)
+    low, high = maximum(middle - half, -0.5), minimum(middle + half, 0.5)
+    return low + u * (high - low), maximum(high - low, 0.0)
 
 
 def _in_cone(axis: Value, deep: Value, u: Value) -> Value:
