@@ -7,34 +7,57 @@ that is being rendered: a lamp that is deleted, excluded or a ghost of an append
 
 from __future__ import annotations
 
+from math import pi, sin
 from typing import TYPE_CHECKING
 
 import bpy
+from mathutils import Vector
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from bpy.types import Node, NodeSocket, Object
 
-LIMIT = 4
-KINDS = ("SUN", "POINT", "SPOT")
+LIMIT = 8
+SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly a random point on the lamp sends anything
+STREAM = 10  # random numbers of the first bound lamp; mirror's facet has the first streams
 
 
 def refusal(lamp: Object) -> str | None:
     """Why ``direct`` cannot follow this lamp, and how to mend it; None if it can."""
+    return next(
+        (f'{"spot" if lamp.data.type == "SPOT" else "lamp"} "{lamp.name}" {why}' for why in _refusals(lamp)), None
+    )
+
+
+def _refusals(lamp: Object) -> Iterator[str]:
     light = lamp.data
-    if light.type not in KINDS:
-        return f'lamp "{lamp.name}" is an area lamp, which "direct" cannot evaluate; use a sun, point or spot'
     # 5.x warns when use_nodes is read and always uses the tree; 4.5 may have one that is switched off.
     uses_nodes = light.node_tree is not None and (bpy.app.version >= (5, 0, 0) or light.use_nodes)
     if uses_nodes and _has_own_nodes(light.node_tree):
-        return f'lamp "{lamp.name}" has a node tree, which "direct" cannot follow; switch its Use Nodes off'
-    if light.type != "SUN" and not light.normalize:
-        return f'lamp "{lamp.name}" is not normalized, which "direct" cannot follow; switch Normalize on'
-    if any(item.light_linking.receiver_collection for item in (lamp,)):
-        return f'lamp "{lamp.name}" has light linking, which "direct" cannot follow; clear it, or use "closure"'
-    scale = lamp.matrix_world.to_scale()
-    if light.type == "SPOT" and max(scale) - min(scale) > 1e-4 * max(scale):
-        return f'spot "{lamp.name}" is scaled unevenly, which "direct" cannot follow; apply its scale'
-    return None
+        yield 'has a node tree, which "direct" cannot follow; switch its Use Nodes off'
+    if lamp.light_linking.receiver_collection:
+        yield 'has light linking, which "direct" cannot follow; clear it, or use "closure"'
+    if light.type == "SPOT":
+        scale = lamp.matrix_world.to_scale()
+        if max(scale) - min(scale) > 1e-4 * max(scale):
+            yield 'is scaled unevenly, which "direct" cannot follow; apply its scale'
+    if light.type == "AREA":
+        if light.cycles.is_portal:
+            yield "is a portal, which gives no light of its own; switch Portal off"
+        if light.spread < SMALLEST_SPREAD:
+            yield 'has a spread under 1 degree, which "direct" cannot follow; widen it, or use a sun'
+        x, y, z = (column.normalized() for column in lamp.matrix_world.to_3x3().col)
+        if max(abs(x.dot(y)), abs(y.dot(z)), abs(z.dot(x))) > 1e-4:
+            yield 'is sheared, which "direct" cannot follow; scale its parent evenly'
+
+
+def kind(lamp: Object) -> str:
+    """Which group (``nodegroups/lamp.py``) follows this lamp: an area lamp's by its shape."""
+    light = lamp.data
+    if light.type != "AREA":
+        return light.type
+    return "RECTANGLE" if light.shape in {"SQUARE", "RECTANGLE"} else "ELLIPSE"
 
 
 def size(lamp: Object) -> float:
@@ -48,15 +71,43 @@ def size(lamp: Object) -> float:
 
 
 def of_scene(scene: bpy.types.Scene) -> list[Object]:
-    """The lamps that light this scene's render, strongest first."""
+    """The lamps that light this scene's render, strongest first: by what reaches the middle of its objects.
+
+    That is the mean of the objects' own middles. Each lamp counts as if it shone right at it, wherever it turns now.
+    """
+    things = [item for item in scene.objects if item.type in _SHADED and not item.hide_render]
+    middles = [item.matrix_world @ (sum(map(Vector, item.bound_box), Vector()) / 8) for item in things]
+    middle = sum(middles, Vector()) / max(len(middles), 1)
     lamps = [item for item in scene.objects if item.type == "LIGHT" and not item.hide_render]
-    return sorted(lamps, key=lambda lamp: (-_brightness(lamp), lamp.name))
+    return sorted(lamps, key=lambda lamp: (-_irradiance(lamp, middle), lamp.name))
 
 
-def _brightness(lamp: Object) -> float:
+_SHADED = {"MESH", "CURVE", "SURFACE", "META", "FONT", "POINTCLOUD", "CURVES"}
+
+
+def _irradiance(lamp: Object, place: Vector) -> float:
+    """About what reaches ``place`` across the beam: W/m^2 summed over R, G and B."""
     light = lamp.data
-    power = light.energy * 2.0**light.exposure * sum(light.color)
-    return power if light.type == "SUN" else power / 40.0  # at 1 m or so a point of 4 pi^2 W is a sun of 1 W/m^2
+    color = [
+        c * (t if light.use_temperature else 1.0) for c, t in zip(light.color, light.temperature_color, strict=True)
+    ]
+    power = light.energy * 2.0**light.exposure * sum(color) * (1.0 if light.normalize else _surface(lamp))
+    if light.type == "SUN":
+        return power
+    d2 = (lamp.matrix_world.translation - place).length_squared + size(lamp) ** 2  # finite at the lamp itself
+    return power / d2 / (pi if light.type == "AREA" else 4 * pi)
+
+
+def _surface(lamp: Object) -> float:
+    """What Cycles divides the strength of a normalized lamp by; 4 for a point of no size makes it W per steradian."""
+    light, extent = lamp.data, size(lamp)
+    if light.type == "SUN":
+        return pi * sin(extent / 2) ** 2 if extent > 0 else 1.0
+    if light.type != "AREA":
+        return 4 * pi * extent**2 if extent > 0 else 4.0
+    height = light.size if light.shape in {"SQUARE", "DISK"} else light.size_y
+    x, y, _ = lamp.matrix_world.to_scale()
+    return abs(x * y) * extent * height * (1.0 if kind(lamp) == "RECTANGLE" else pi / 4)
 
 
 def _has_own_nodes(tree: bpy.types.NodeTree) -> bool:
@@ -74,8 +125,8 @@ def _has_own_nodes(tree: bpy.types.NodeTree) -> bool:
     )
 
 
-def bind(node: Node, lamp: Object) -> None:
-    """Drive the inputs of a lamp group (``nodegroups/lamp.py``) by ``lamp``."""
+def bind(node: Node, lamp: Object, index: int = 0) -> None:
+    """Drive the inputs of a lamp group (``nodegroups/lamp.py``) by ``lamp``, the ``index``-th of its material."""
     for channel in range(3):
         _drive(
             node.inputs["Color"],
@@ -84,22 +135,63 @@ def bind(node: Node, lamp: Object) -> None:
             "c * (1 - t + t * k)",
             {"c": f"data.color[{channel}]", "t": "data.use_temperature", "k": f"data.temperature_color[{channel}]"},
         )
+    surface, paths = _SURFACES[kind(lamp)]
+    square = lamp.data.type == "AREA" and lamp.data.shape in {"SQUARE", "DISK"}
+    height = "data.size" if square else "data.size_y"
+    paths = {name: height if path == "data.size_y" else path for name, path in paths.items()}
     _drive(
         node.inputs["Strength"],
         -1,
         lamp,
-        "e * pow(2, x) * (1 - h)",
-        {"e": "data.energy", "x": "data.exposure"},
+        f"e * pow(2, x) * (1 - h) * ({surface})",
+        {"e": "data.energy", "x": "data.exposure", "n": "data.normalize"} | paths,
         gate="h",
     )
     # RNA gives the matrix transposed: row 2 is the lamp's z axis, row 3 its place.
-    for name, row in (("Axis", 2), ("Position", 3)):
+    vectors = {"Axis": (2, ""), "Position": (3, ""), "Across": (0, "data.size"), "Up": (1, height)}
+    for name, (row, extent) in vectors.items():
         if name in node.inputs:
             for channel in range(3):
-                _drive(node.inputs[name], channel, lamp, "v", {"v": f"matrix_world[{row}][{channel}]"})
-    for name, path in (("Size", "data.spot_size"), ("Blend", "data.spot_blend")):
+                entry = {"v": f"matrix_world[{row}][{channel}]"}
+                _drive(
+                    node.inputs[name],
+                    channel,
+                    lamp,
+                    "v * s" if extent else "v",
+                    entry | ({"s": extent} if extent else {}),
+                )
+    for name, (expression, path) in _NUMBERS.items():
         if name in node.inputs:
-            _drive(node.inputs[name], -1, lamp, "v", {"v": path})
+            _drive(node.inputs[name], -1, lamp, expression, {"v": path})
+    if "Stream" in node.inputs:
+        node.inputs["Stream"].default_value = STREAM + index
+
+
+# By what to multiply a strength for Cycles' normalized one, n: that is 1, else the surface as in ``_surface``.
+_AREA = "sqrt(a*a + b*b + c*c) * sqrt(o*o + p*p + q*q) * w * l"
+_AREA_PATHS = {"w": "data.size", "l": "data.size_y"} | {
+    name: f"matrix_world[{row}][{channel}]"
+    for row, names in enumerate(("abc", "opq"))
+    for channel, name in enumerate(names)
+}
+_RADIUS = "n + (1 - n) * (4 * pi * r * r if r > 0 else 4)", {"r": "data.shadow_soft_size"}
+_SURFACES = {
+    "SUN": ("n + (1 - n) * (pi * pow(sin(a / 2), 2) if a > 0 else 1)", {"a": "data.angle"}),
+    "POINT": _RADIUS,
+    "SPOT": _RADIUS,
+    "RECTANGLE": (f"n * ({_AREA} > 0) + (1 - n) * {_AREA}", _AREA_PATHS),
+    "ELLIPSE": (f"n * ({_AREA} > 0) + (1 - n) * {_AREA} * pi / 4", _AREA_PATHS),
+}
+_HALF_SPREAD = f"(max(v, {SMALLEST_SPREAD}) / 2)"
+_NUMBERS = {  # input -> driver expression and what v is
+    "Size": ("v", "data.spot_size"),
+    "Blend": ("v", "data.spot_blend"),
+    "Angle": ("v", "data.angle"),
+    "Radius": ("v", "data.shadow_soft_size"),
+    "Soft Falloff": ("v", "data.use_soft_falloff"),
+    "Grid": (f"1 / tan({_HALF_SPREAD})", "data.spread"),
+    "Gain": (f"1 / (1 - {_HALF_SPREAD} / tan({_HALF_SPREAD}))", "data.spread"),
+}
 
 
 def _drive(

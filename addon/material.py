@@ -113,7 +113,10 @@ def apply(material: Material, objects: Sequence[Object]) -> int:
 
 
 def _key(preset: Preset, choice: Choice) -> str:
-    bound = [[one.name, one.data.type, choice.shadows and one.data.use_shadow] for one in choice.lamps]
+    bound = [
+        [one.name, lamp_binding.kind(one), lamp_binding.size(one) > 0, choice.shadows and one.data.use_shadow]
+        for one in choice.lamps
+    ]
     return json.dumps([preset.id, preset.parameters, choice.backend, choice.estimator, bound])
 
 
@@ -146,15 +149,13 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
 
 
 def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Choice) -> None:
-    kind = one.data.type
     traced = choice.shadows and one.data.use_shadow and (choice.backend == "osl" or lamp.can_cast_shadows())
+    variant: dict[str, Any] = {"kind": lamp_binding.kind(one), "shadows": traced, "sized": lamp_binding.size(one) > 0}
     make = lamp.build if choice.backend == "nodes" else lamp.build_osl
-    group = nodegroups.ensure(
-        lamp.name(kind, shadows=traced) + _suffix(choice), lamp.REVISION, partial(make, kind=kind, shadows=traced)
-    )
+    group = nodegroups.ensure(lamp.name(**variant) + _suffix(choice), lamp.REVISION, partial(make, **variant))
     source = _group_node(tree, group, f"Lamp {index}: {one.name}")
-    source.location = (-300, -260 * (index - 1))
-    lamp_binding.bind(source, one)
+    source.location = (-300, -540 * (index - 1))
+    lamp_binding.bind(source, one, index - 1)
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
 

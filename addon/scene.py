@@ -99,7 +99,7 @@ def _direct_problems(scene: Scene, backend: str) -> Iterator[Problem]:
     shown = lamps.of_scene(scene)
     followed = [item for item in shown if lamps.refusal(item) is None]
     if not followed:
-        text = "Direct shows bound lamps alone, and this scene has no sun, point or spot that it can follow"
+        text = "Direct shows bound lamps alone, and this scene has none that it can follow"
         yield Problem("lamps", text)
     else:
         yield Problem("alone", "Direct shows bound lamps alone: no world, no reflections of other objects")
@@ -111,7 +111,8 @@ def _direct_problems(scene: Scene, backend: str) -> Iterator[Problem]:
         yield Problem("limit", text)
     sized = [item for item in followed if lamps.size(item) > 0]
     if sized:
-        yield Problem("sized", f"Direct takes lamps as points, without soft shadows: {_names(sized)}")
+        text = f"Direct draws a random point on lamps with a size, which brings noise: {_names(sized)}"
+        yield Problem("sized", text)
     if backend == "nodes" and not lamp.can_cast_shadows():
         text = "Direct casts no shadows with nodes in this Blender, which has no Raycast node; choose OSL"
         yield Problem("shadows", text)

@@ -340,3 +340,9 @@ def normalize(a: Value) -> Value:
 
 def length(a: Value) -> Value:
     return Value(a.tree, a.tree.node("ShaderNodeVectorMath", a, operation="LENGTH").outputs["Value"])
+
+
+def tangents(n: Value) -> tuple[Value, Value]:
+    """Two unit vectors at right angles to the unit vector ``n`` and to each other."""
+    T = normalize(cross(n, select(less(n.xyz[2] ** 2, 0.8), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))))
+    return T, cross(n, T)

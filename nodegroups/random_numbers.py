@@ -21,7 +21,7 @@ def build(tree: Tree) -> None:
     tree.output_vector("Random", Value(tree, noise.outputs["Color"]), tip="Three numbers in 0..1")
 
 
-def random_numbers(tree: Tree, stream: int) -> tuple[Value, Value, Value]:
+def random_numbers(tree: Tree, stream: float | Value) -> tuple[Value, Value, Value]:
     """u1, u2, u3 of ``stream``."""
-    node = tree.group(ensure(NAME, REVISION, build), Stream=float(stream))
+    node = tree.group(ensure(NAME, REVISION, build), Stream=stream)
     return Value(tree, node.outputs["Random"]).xyz

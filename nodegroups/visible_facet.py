@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING
 
-from ._tree import cos, cross, dot, less, log, maximum, normalize, scale, select, sin, sqrt
+from ._tree import cos, dot, less, log, maximum, normalize, scale, select, sin, sqrt, tangents
 from .random_numbers import random_numbers
 
 if TYPE_CHECKING:
@@ -22,9 +22,7 @@ def visible_facet(tree: Tree, N: Value, wo: Value, m: Value) -> Value:
     """h by D(h) (n.h), swapped for its dual across the groove where the view rather sees that."""
     u1, u2, u3 = random_numbers(tree, STREAM)
     with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
-        axis = select(less(N.xyz[2] ** 2, 0.8), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
-        T = normalize(cross(N, axis))
-        B = cross(N, T)
+        T, B = tangents(N)
         tan = m * sqrt(-log(maximum(1.0 - u1, 1e-7)))  # u1 may round to 1
         phi = 2.0 * pi * u2
         lean = scale(T, tan * cos(phi)) + scale(B, tan * sin(phi))

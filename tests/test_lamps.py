@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``direct`` follows its lamps: what they send, where they go, and when they give nothing."""
 
+from contextlib import contextmanager
 from functools import partial
 from math import pi
 
@@ -10,6 +11,7 @@ import pytest
 from vgroove import nodegroups
 from vgroove.addon import check, gonio, headless, lamps, material, scene
 from vgroove.nodegroups import lamp as lamp_group
+from vgroove.nodegroups import osl_script, random_numbers
 
 pytestmark = pytest.mark.blender
 
@@ -37,10 +39,9 @@ def irradiance_material(empty_material, item, backend, *, shadows):
     made = empty_material("Irradiance")
     tree = made.node_tree
     build = lamp_group.build if backend == "nodes" else lamp_group.build_osl
-    kind = item.data.type
-    name = lamp_group.name(kind, shadows=shadows) + backend
+    variant = {"kind": lamps.kind(item), "shadows": shadows, "sized": lamps.size(item) > 0}
     node = tree.nodes.new("ShaderNodeGroup")
-    node.node_tree = nodegroups.ensure(name, 1, partial(build, kind=kind, shadows=shadows))
+    node.node_tree = nodegroups.ensure(lamp_group.name(**variant) + backend, 1, partial(build, **variant))
     lamps.bind(node, item)
     geometry, cosine, positive, emission, output = (
         tree.nodes.new(f"ShaderNode{name}")
@@ -80,21 +81,28 @@ def add_mesh(bpy, stage, name, half, height, made=None):
     return item
 
 
-def floor_image(bpy, make_material, kind, *, shading_osl, occluder=False):
+def floor_image(
+    bpy, make_material, kind, *, shading_osl, occluder=False, settings=None, samples=1, seed=0, size=64, eye_near=False
+):
     """Radiance of a floor 4 m wide, seen from above, lit by one lamp, without bounces."""
-    with headless.quiet(), gonio.stage((64, 64), samples=1, seed=0, shading_osl=shading_osl) as stage:
+    with headless.quiet(), gonio.stage((size, size), samples=samples, seed=seed, shading_osl=shading_osl) as stage:
         stage.cycles.max_bounces = 0
         gonio.light(stage, gonio.Geometry())
         bpy.data.objects.remove(stage.objects[0])
         item = make_lamp(bpy, kind)
         stage.collection.objects.link(item)
+        if settings is not None:
+            stage.cycles.filter_width = 1.0  # moves P, from which random numbers come, over the whole pixel
+            settings(item)
+            stage.frame_set(7)
+        stage.view_layers[0].update()
         add_mesh(bpy, stage, "Floor", 3.0, 0.0, make_material(item))
         if occluder:
             add_mesh(bpy, stage, "Occluder", 0.3, 0.7).visible_camera = False
         camera = bpy.data.cameras.new("Camera")
-        camera.type, camera.ortho_scale = "ORTHO", 4.0
+        camera.type, camera.ortho_scale = "PERSP" if eye_near else "ORTHO", 4.0
         eye = bpy.data.objects.new("Camera", camera)
-        eye.location = (0, 0, 5)
+        eye.location = (0.3, -0.4, 1.3) if eye_near else (0, 0, 5)
         stage.collection.objects.link(eye)
         stage.camera = eye
         return gonio.rendered(stage).astype(float)
@@ -140,6 +148,295 @@ def test_a_lamp_group_casts_the_shadow_of_cycles_own_lamp(blender, empty_materia
         return
     assert (cycles.max(-1) == 0).sum() > 50
     np.testing.assert_allclose(ours, cycles, atol=5e-6 * cycles.max())
+
+
+# Lamps with a size
+
+
+def given(kind, keys=None, **values):
+    """A case: the kind of a lamp, and a function that sets its properties and keys some of them at frames 1 and 11."""
+
+    def settings(item):
+        for name, value in values.items():
+            setattr(item if hasattr(item, name) and name != "size" else item.data, name, value)
+        for name, ends in (keys or {}).items():
+            owner = item if hasattr(item, name) and name != "size" else item.data
+            for frame, value in zip((1, 11), ends, strict=True):
+                setattr(owner, name, value)
+                owner.keyframe_insert(name, frame=frame)
+
+    return kind, settings
+
+
+BALL, DISC = {"use_soft_falloff": False}, {"use_soft_falloff": True}
+WIDE = {"spot_size": 2.0, "spot_blend": 0.4, "shadow_soft_size": 0.3}
+SIZED = {
+    "sun": given("SUN", angle=0.2),
+    "sun over half the sky": given("SUN", angle=2.1),
+    "sun, not normalized": given("SUN", angle=0.3, normalize=False),
+    "ball": given("POINT", shadow_soft_size=0.3, **BALL),
+    "ball, not normalized": given("POINT", shadow_soft_size=0.3, normalize=False, **BALL),
+    "facing disc": given("POINT", shadow_soft_size=0.3, **DISC),
+    "facing disc through the floor": given("POINT", location=(0.7, -0.4, 0.5), shadow_soft_size=1.0, **DISC),
+    "spot ball": given("SPOT", **WIDE, **BALL),
+    "spot facing disc": given("SPOT", **WIDE, **DISC),
+    "spot, scaled": given("SPOT", scale=(2, 2, 2), **WIDE, **BALL),
+    "square": given("AREA", shape="SQUARE", size=0.8),
+    "rectangle, scaled and mirrored": given("AREA", shape="RECTANGLE", size=0.8, size_y=0.3, scale=(1.5, -0.7, 2)),
+    "disk": given("AREA", shape="DISK", size=0.8),
+    "ellipse, scaled": given("AREA", shape="ELLIPSE", size=0.8, size_y=1.6, scale=(1.2, 0.5, 1)),
+    "ellipse, not normalized": given("AREA", shape="ELLIPSE", size=0.8, size_y=0.3, normalize=False),
+    "rectangle, spread": given("AREA", shape="RECTANGLE", size=0.8, size_y=0.3, spread=2.0),
+    "square, narrow spread": given("AREA", shape="SQUARE", size=2.0, spread=0.07, rotation_euler=(0.1, 0, 0.4)),
+    "disk, narrow spread": given("AREA", shape="DISK", size=2.0, spread=0.35, rotation_euler=(0.1, 0, 0)),
+    "square, partly below the floor": given(
+        "AREA", shape="SQUARE", size=0.8, location=(2.6, 0, 0.15), rotation_euler=(0, 1.3, 0)
+    ),
+    "animated": given(
+        "AREA", {"size": (0.2, 1.0), "location": ((2, 0, 2), (-1, 0, 1)), "rotation_euler": ((0, 0, 0), (0, 0, 2))},
+        shape="RECTANGLE", size_y=0.3,
+    ),
+}  # fmt: skip
+BACKENDS = (check.SETUPS[0], check.SETUPS[2])
+SEEDS = 4
+
+
+def seen(images):
+    """Mean and variance of the mean of 8 x 8 pixels each, from the spread of each pixel over its seeds; red channel."""
+    images = np.array(images)[..., 0]
+    blocks = [
+        values.reshape(images.shape[1] // 8, 8, -1, 8).mean((1, 3))
+        for values in (images.mean(0), images.var(0, ddof=1) / len(images) / 64)
+    ]
+    return blocks[0].ravel(), blocks[1].ravel()
+
+
+def judged(ours, cycles, tests):
+    """(passed, resolved): every block and the common scale within the limits of ``tests`` tests; smallest scale error.
+
+    A block's variance comes from 64 pixels of 4 seeds each, so its 192 degrees of freedom make a t nearly normal.
+    Where Cycles' own sampling leaves no spread, float32 does: 2^-15.5 of the mean, as in ``check.View.z``.
+    """
+    (mean, spread), (expected, of_expected) = ours, cycles
+    floor = np.square(2.0**-15.5 * np.maximum(mean, expected).max())
+    variance = spread + of_expected + floor
+    z = (mean - expected) / np.sqrt(variance)
+    information = np.sum(expected**2 / variance)
+    scale_z = np.sum((mean - expected) * expected / variance) / np.sqrt(information)
+    # Few hits at a cone's edge skew a block: its limit is that of four times as many tests.
+    passed = abs(scale_z) <= check.limit(tests) and np.all(np.abs(z) <= check.limit(4 * tests * z.size))
+    return passed, check.limit(tests) / np.sqrt(information)
+
+
+@pytest.fixture
+def two_floors(blender, empty_material):
+    """A function that lights one floor by Cycles' own lamp sampling and one by ours: blocks of the two, times pi."""
+
+    def render(case, setup, *, occluder=False, samples=64, **more):
+        kind, settings = SIZED[case] if isinstance(case, str) else case
+        arguments = {"shading_osl": setup.shading_osl, "settings": settings, "samples": samples, "size": 32}
+        arguments |= {"occluder": occluder} | more
+        ours = [
+            floor_image(
+                blender,
+                lambda item: irradiance_material(empty_material, item, setup.backend, shadows=occluder),
+                kind,
+                seed=seed,
+                **arguments,
+            )
+            for seed in range(SEEDS)
+        ]
+        cycles = [
+            pi * floor_image(blender, lambda _: white_diffuse(empty_material), kind, seed=seed + 50, **arguments)
+            for seed in range(SEEDS)
+        ]
+        return seen(ours), seen(cycles)
+
+    return render
+
+
+def traces(setup):
+    return setup.backend == "osl" or lamp_group.can_cast_shadows()
+
+
+@pytest.mark.parametrize("occluder", [False, True], ids=["open", "penumbra"])
+@pytest.mark.parametrize("setup", BACKENDS, ids=str)
+@pytest.mark.parametrize("case", SIZED)
+def test_a_lamp_with_a_size_gives_what_cycles_own_sampling_finds(two_floors, case, setup, occluder):
+    """Irradiance at 16 places by Z-test, in the open and in half shadow; an error of 1 % either way would show."""
+    if occluder and not traces(setup):
+        pytest.skip("this Blender's nodes trace no rays")
+    ours, cycles = two_floors(case, setup, occluder=occluder, samples=512 if "narrow" in case else 128)
+    tests = 2 * len(BACKENDS) * len(SIZED)
+    assert cycles[0].max() > 0
+    passed, resolves = judged(ours, cycles, tests)
+    assert passed
+    assert resolves < 0.01
+    for factor in (0.99, 1.01):
+        assert not judged(ours, (cycles[0] * factor, cycles[1] * factor**2), tests)[0]
+
+
+@pytest.mark.parametrize("setup", BACKENDS, ids=str)
+@pytest.mark.parametrize("case", ["square", "facing disc"])
+def test_a_camera_beside_a_lamp_sees_the_same(two_floors, case, setup):
+    """Rays leave from where the lamp is; what it sends does not depend on them."""
+    assert judged(*two_floors(case, setup, occluder=traces(setup), samples=128, eye_near=True), 4)[0]
+
+
+@pytest.mark.parametrize("setup", BACKENDS, ids=str)
+def test_a_spot_around_the_floor_gives_what_cycles_light_sampling_finds(two_floors, setup):
+    """Inside a ball the cone is off; Cycles' rays to the lamp disagree there, so it is asked without them."""
+    kind, place = given("SPOT", location=(0.5, 0, 0.5), shadow_soft_size=1.0, spot_size=1.2, spot_blend=0.4, **BALL)
+
+    def settings(item):
+        place(item)
+        item.data.cycles.use_multiple_importance_sampling = False
+
+    ours, cycles = two_floors((kind, settings), setup, samples=512)
+    passed, resolves = judged(ours, cycles, len(BACKENDS))
+    assert passed
+    assert resolves < 0.01
+
+
+@pytest.mark.parametrize("setup", BACKENDS, ids=str)
+@pytest.mark.parametrize("case", ["sun", "ball", "spot facing disc", "rectangle, spread", "disk"])
+def test_a_constant_in_place_of_the_hash_turns_half_shadows_red(two_floors, monkeypatch, case, setup):
+    """One point of the lamp for all samples casts a hard shadow."""
+    if not traces(setup):
+        pytest.skip("this Blender's nodes trace no rays")
+
+    def frozen(tree):
+        tree.input_float("Stream", 0.0, low=0.0, high=100.0, tip="Not used")
+        tree.output_vector("Random", (0.37, 0.37, 0.37), tip="A constant")
+
+    monkeypatch.setattr(random_numbers, "build", frozen)
+    source, drawn = osl_script.source, 'noise("hash", P, stream + noise("hash", I))'
+    assert drawn in source("lamp")
+    monkeypatch.setattr(osl_script, "source", lambda name: source(name).replace(drawn, "0.37"))
+    assert not judged(*two_floors(case, setup, occluder=True, samples=16), 1)[0]
+
+
+@pytest.mark.parametrize("setup", BACKENDS, ids=str)
+@pytest.mark.parametrize("kind", ["SUN", "POINT"])
+def test_a_disc_of_sun_and_a_ball_give_what_a_point_gives(blender, empty_material, kind, setup):
+    """E cos and P cos / (4 pi d^2) hold for both at every size while all of the lamp is above the horizon."""
+    values = {"angle": 0.8} if kind == "SUN" else {"shadow_soft_size": 1.0, **BALL}
+    images = []
+    for sized in (False, True):
+        _, settings = given(kind, **(values if sized else {}), location=(0.7, -0.4, 1.5))
+        images.append(
+            [
+                floor_image(
+                    blender,
+                    lambda item: irradiance_material(empty_material, item, setup.backend, shadows=False),
+                    kind,
+                    shading_osl=setup.shading_osl,
+                    settings=settings,
+                    samples=128,
+                    seed=seed,
+                    size=32,
+                )
+                for seed in range(SEEDS)
+            ]
+        )
+    passed, resolves = judged(seen(images[1]), seen(images[0]), 4)
+    assert passed
+    assert resolves < 0.005
+
+
+@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+def test_direct_under_a_disc_of_sun_is_the_mean_of_the_formula(setup):
+    """Cook-Torrance under a sun of 10 degrees against NumPy's integral of f cos over the disc."""
+    preset = check.materials()["schlick"].with_parameters(m=0.3)
+    model, samples = preset.reference(), 256
+    row = check.Row("direct, sun", setup, "schlick", 0.3)
+    for theta_i in check.SUN_THETAS:
+        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=check.SUN_ANGLE)
+        wo = geometry.wo()
+        directions, weights = check.disc(geometry)
+        # A direction's irradiance: the sun's strength 1/cos(theta_i), by 2 / (1 + cos a) of nodegroups/lamp.py.
+        beam = 2.0 / (1.0 + np.cos(np.radians(check.SUN_ANGLE / 2))) / np.cos(np.radians(theta_i))
+        mean, square = np.zeros_like(wo), np.zeros_like(wo)
+        for wi, weight in zip(directions, weights / weights.sum(), strict=True):
+            radiance = model.evaluate(wi, wo) * max(wi[2], 0.0) * beam
+            mean += weight * radiance
+            square += weight * radiance**2
+        measured = check._measure(preset, setup, "direct", geometry, samples=samples)
+        row.views.append(check.View(geometry, measured, mean, variance=np.maximum(square - mean**2, 0.0) / samples))
+    assert row.passed
+    assert row.resolves < 0.005
+    assert not row.scaled(0.99).passed
+    assert not row.scaled(1.01).passed
+
+
+def test_a_lamp_of_no_size_draws_nothing_at_random(blender):
+    """What a lamp does not need is left out: no noise, no tangents, no socket for a size."""
+    for kind in KINDS:
+        item = make_lamp(blender, kind)
+        blender.context.scene.collection.objects.link(item)
+        made = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", (item,)))
+        node = next(node for node in made.node_tree.nodes if node.label.startswith("Lamp 1"))
+        assert not {"Stream", "Radius", "Angle", "Soft Falloff"} & set(node.inputs.keys())
+        assert not any(inner.label.startswith("VGroove Random") for inner in node.node_tree.nodes)
+        setattr(item.data, "angle" if kind == "SUN" else "shadow_soft_size", 0.2)
+        sized = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", (item,)))
+        assert sized is not made
+        node = next(node for node in sized.node_tree.nodes if node.label.startswith("Lamp 1"))
+        assert "Stream" in node.inputs
+
+
+@pytest.mark.parametrize("setup", BACKENDS, ids=str)
+def test_each_lamp_draws_its_own_numbers(blender, setup):
+    """Two lamps in one place: their variances add, where common numbers would give twice the sum."""
+    variances = []
+    for count in (1, 2):
+        images = []
+        for seed in range(8):
+            with ball_under(blender, ["AREA"] * count, setup, seed=seed) as (stage, _):
+                images.append(gonio.rendered(stage)[..., 0].astype(float))
+        variances.append(np.var(images, axis=0, ddof=1).sum())
+    # About 400 pixels of 7 degrees of freedom: each sum is known to 3 %.
+    assert variances[1] == pytest.approx(2 * variances[0], rel=0.15)
+
+
+@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+def test_eight_lamps_with_a_size_fit_into_one_material(blender, setup):
+    """The largest material that can be built renders, and gives what its lamps give one by one."""
+    kinds = ["AREA", "SPOT", "POINT", "SUN"] * 2
+
+    def brightness(chosen):
+        with ball_under(blender, kinds, setup, chosen) as (stage, _):
+            return gonio.rendered(stage).astype(float).mean()
+
+    # Over 400 pixels of 16 samples of less than their own spread: 1.3 % at most for one lamp, less for eight.
+    assert brightness(range(8)) == pytest.approx(sum(brightness([index]) for index in range(8)), rel=0.03)
+
+
+@contextmanager
+def ball_under(bpy, kinds, setup, chosen=None, seed=0):
+    """A stage whose ball is lit by lamps with a size above it, seen from above; yields it and the lamps."""
+    with headless.quiet(), gonio.stage((24, 24), samples=16, seed=seed, shading_osl=setup.shading_osl) as stage:
+        stage.cycles.filter_width = 1.0
+        gonio.light(stage, gonio.Geometry())
+        bpy.data.objects.remove(stage.objects[0])
+        items = []
+        for index, kind in enumerate(kinds):
+            item = make_lamp(bpy, kind, f"Lamp {index}")
+            item.location = (0.7, -0.4, 2.5)
+            setattr(item.data, {"SUN": "angle", "AREA": "size"}.get(kind, "shadow_soft_size"), 0.5)
+            stage.collection.objects.link(item)
+            items.append(item)
+        stage.view_layers[0].update()
+        bound = tuple(items[index] for index in (range(len(items)) if chosen is None else chosen))
+        preset = check.materials()["conductor"].with_parameters(m=0.5)
+        gonio._sphere(stage, material.build(preset, material.Choice(setup.backend, "direct", bound)))
+        camera = bpy.data.cameras.new("Camera")
+        camera.type, camera.ortho_scale = "ORTHO", 2.0
+        eye = bpy.data.objects.new("Camera", camera)
+        eye.location = (0, 0, 3)
+        stage.collection.objects.link(eye)
+        stage.camera = eye
+        yield stage, items
 
 
 @pytest.fixture
@@ -220,20 +517,25 @@ def test_an_appended_ghost_lamp_gives_no_light(bound, tmp_path):
     assert node.inputs["Strength"].default_value == 0.0
 
 
-def test_what_cannot_be_followed_is_refused_in_one_line(blender, empty_material):
-    """Area lamps, lamps with nodes, light linking and uneven spots are named with a way out."""
+def test_what_cannot_be_followed_is_refused_in_one_line(blender):
+    """Portals, needles of light, sheared lamps, lamps with nodes and uneven spots are named with a way out."""
     stage = blender.context.scene
-    area = blender.data.objects.new("Area", blender.data.lights.new("Area", "AREA"))
-    spot, sun = make_lamp(blender, "SPOT", "Spot"), make_lamp(blender, "SUN", "Sun")
-    for item in (area, spot, sun):
+    items = {name: make_lamp(blender, "AREA", name) for name in ("portal", "spread under", "sheared")}
+    items |= {"scaled unevenly": make_lamp(blender, "SPOT", "Spot"), "node tree": make_lamp(blender, "SUN", "Sun")}
+    for item in items.values():
         stage.collection.objects.link(item)
-    spot.scale = (1.0, 2.0, 1.0)
+    items["portal"].data.cycles.is_portal = True
+    items["spread under"].data.spread = 0.01
+    parent = blender.data.objects.new("Parent", None)
+    parent.scale = (1, 3, 1)
+    stage.collection.objects.link(parent)
+    items["sheared"].parent = parent
+    items["scaled unevenly"].scale = (1.0, 2.0, 1.0)
     if blender.app.version < (5, 0, 0):
-        sun.data.use_nodes = True
-    tree = sun.data.node_tree
-    tree.nodes.new("ShaderNodeTexNoise")
+        items["node tree"].data.use_nodes = True
+    items["node tree"].data.node_tree.nodes.new("ShaderNodeTexNoise")
     blender.context.view_layer.update()
-    for item, word in ((area, "area lamp"), (spot, "scaled unevenly"), (sun, "node tree")):
+    for word, item in items.items():
         refused = lamps.refusal(item)
         assert word in refused
         assert f'"{item.name}"' in refused
@@ -243,20 +545,46 @@ def test_what_cannot_be_followed_is_refused_in_one_line(blender, empty_material)
     assert scene.lamps_to_bind(stage, "direct") == ()
 
 
-def test_at_most_four_lamps_are_bound_the_strongest_first(blender):
-    """A fifth is left out, and the advice says which."""
+def test_at_most_eight_lamps_are_bound_the_strongest_first(blender):
+    """A ninth is left out, and the advice says which."""
     stage = blender.context.scene
     stage.render.engine = "CYCLES"
-    for index in range(6):
+    for index in range(10):
         item = make_lamp(blender, "SUN", f"Sun {index}")
         item.data.energy = 1.0 + index
         stage.collection.objects.link(item)
     taken = scene.lamps_to_bind(stage, "direct")
-    assert [item.name for item in taken] == ["Sun 5", "Sun 4", "Sun 3", "Sun 2"]
+    assert [item.name for item in taken] == [f"Sun {index}" for index in range(9, 1, -1)]
     advice = next(p for p in scene.problems(stage, "nodes", "direct") if p.key == "limit")
     assert "Sun 1, Sun 0" in advice.text
-    with pytest.raises(material.MaterialError, match="at most 4"):
-        material.Choice("nodes", "direct", tuple(stage.objects)[:5])
+    with pytest.raises(material.MaterialError, match="at most 8"):
+        material.Choice("nodes", "direct", tuple(stage.objects)[:9])
+
+
+def test_the_strongest_lamp_is_the_one_that_gives_most_to_the_middle_of_the_objects(blender):
+    """Near beats far, and watts count by what they give there: a sun of 1 W/m^2, 4 pi W at 1 m, pi W of area."""
+    stage = blender.context.scene
+    add_mesh(blender, stage, "Left", 1.0, 0.0).location = (9, 0, 0)
+    add_mesh(blender, stage, "Right", 1.0, 0.0).location = (11, -4, 0)  # the middle is at (10, 0, 0)
+    for name, kind, strength, height in (
+        ("sun", "SUN", 1.0, 50.0),
+        ("near point", "POINT", 4 * pi * 1.1, 1.0),
+        ("far point", "POINT", 4 * pi * 3.0, 2.0),
+        ("area", "AREA", pi * 0.9 * 2.0, 1.0),
+        ("glare", "AREA", pi * 0.3, 1.0),
+    ):
+        item = make_lamp(blender, kind, name)
+        light = item.data
+        light.color, light.use_temperature, light.exposure, light.energy = (1, 1, 1), False, 0.0, strength
+        if kind == "AREA":
+            light.size = 1.0  # its own size counts as distance, so that a lamp at the middle stays finite
+        item.location = (10, 0, height)
+        stage.collection.objects.link(item)
+    stage.objects["glare"].data.normalize = False
+    stage.objects["glare"].scale = (3, 4, 1)
+    blender.context.view_layer.update()
+    names = [item.name for item in lamps.of_scene(stage)]
+    assert names == ["glare", "near point", "sun", "area", "far point"]
 
 
 @pytest.mark.parametrize("setup", check.SETUPS, ids=str)

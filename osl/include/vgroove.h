@@ -84,6 +84,13 @@ normal shading_normal(normal given)
     return dot(given, given) < 1e-12 ? N : normalize(given);
 }
 
+// Two unit vectors at right angles to the unit vector n and to each other
+void tangents(vector n, output vector T, output vector B)
+{
+    T = normalize(cross(n, n[2] * n[2] < 0.8 ? vector(0, 0, 1) : vector(1, 0, 0)));
+    B = cross(n, T);
+}
+
 // Random numbers from the position, which every sample and bounce moves; one hash stream a number
 float random_number(float stream)
 {
@@ -93,9 +100,8 @@ float random_number(float stream)
 // A facet by D(h) (n.h), swapped for its dual across the groove where the view rather sees that. Heitz & d'Eon 2014
 vector visible_facet(normal n0, vector wo, float m)
 {
-    vector T = normalize(cross(n0, n0[2] * n0[2] < 0.8 ? vector(0, 0, 1) : vector(1, 0, 0)));
-    vector B = cross(n0, T);
-
+    vector T, B;
+    tangents(n0, T, B);
     float slope = m * sqrt(-log(max(1 - random_number(1), 1e-7)));  // the hash may round to 1
     float phi = M_2PI * random_number(2);
     vector lean = slope * (cos(phi) * T + sin(phi) * B);
