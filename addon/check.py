@@ -19,6 +19,7 @@ from scipy.stats import norm
 from . import gonio, headless
 from .presets import Preset, find, parse
 from .reference import albedo, cook_torrance, smith_g
+from .reference.cook_torrance_fit import cook_torrance_fit
 from .reference.directions import dot
 from .reference.quadrature import gauss_legendre, vgroove_albedo
 
@@ -219,19 +220,24 @@ def direct_row(setup: Setup, fresnel: str, m: float) -> Row:
 
 def closure_row(setup: Setup, fresnel: str, m: float) -> Row:
     """``closure`` against the same model with Smith's G."""
+    return _native_row("closure", setup, fresnel, m, lambda wi, wo, F: cook_torrance(wi, wo, m, F, smith_g(wi, wo, m)))
+
+
+def fit_row(setup: Setup, fresnel: str, m: float) -> Row:
+    """``fit`` against its mixture as the reference has it; how near that is to the V-groove model, tests say."""
+    return _native_row("fit", setup, fresnel, m, lambda wi, wo, F: cook_torrance_fit(wi, wo, m, F))
+
+
+def _native_row(test: str, setup: Setup, fresnel: str, m: float, evaluate: Callable[[Any, Any, Any], Any]) -> Row:
     preset = materials()[fresnel].with_parameters(m=m)
     F = preset.reference_fresnel()
-
-    def evaluate(wi: NDArray[np.float64], wo: NDArray[np.float64]) -> NDArray[np.float64]:
-        return cook_torrance(wi, wo, m, F, smith_g(wi, wo, m))
-
-    row = _exact_row("closure", setup, fresnel, preset, evaluate, closure_bar(m))
+    row = _exact_row(test, setup, fresnel, preset, lambda wi, wo: evaluate(wi, wo, F), closure_bar(m))
     approximate = fresnel_approximation(setup, fresnel)
     if approximate:  # a share of the lobe with F = 1, as the approximation is one of F
         views = []
         for view in row.views:
             wi, wo = view.geometry.wi(), view.geometry.wo()
-            lobe = float(np.max(cook_torrance(wi, wo, m, materials()["white"].reference_fresnel(), smith_g(wi, wo, m))))
+            lobe = float(np.max(evaluate(wi, wo, materials()["white"].reference_fresnel())))
             views.append(replace(view, bar=approximate, scale=max(view.scale, lobe)))
         row = replace(row, views=views)
     return row
@@ -371,7 +377,7 @@ def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
     for setup in SETUPS:
         for fresnel in ("schlick", "dielectric", "conductor"):
             rows += [(direct_row, (setup, fresnel, m)) for m in DIRECT_SLOPES]
-            rows += [(closure_row, (setup, fresnel, m)) for m in CLOSURE_SLOPES]
+            rows += [(row, (setup, fresnel, m)) for row in (closure_row, fit_row) for m in CLOSURE_SLOPES]
         for m in MIRROR_SLOPES:
             rows += [(furnace_row, (setup, fresnel, m)) for fresnel in ("white", "schlick")]
         if setup is not SETUPS[1]:  # nodes run as OSL draw the very same facets: the furnace shows it

@@ -36,6 +36,7 @@ class Backend(StrEnum):
 
 class Estimator(StrEnum):
     AUTO = "auto"
+    FIT = "fit"
     CLOSURE = "closure"
     MIRROR = "mirror"
     DIRECT = "direct"
@@ -95,7 +96,7 @@ def render(
     settings: SetOption = None,
     backend: BackendOption = Backend.NODES,
     estimator: Annotated[
-        Estimator, typer.Option(help="auto: mirror where it sees every light, else closure")
+        Estimator, typer.Option(help="auto: mirror where it sees every light, else fit")
     ] = Estimator.AUTO,
     at_time: TimeOption = None,
     frames: Annotated[str | None, typer.Option(metavar="A-B", help="A sequence of the scene's frames")] = None,

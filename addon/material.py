@@ -12,7 +12,14 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from .. import nodegroups
-from ..nodegroups import cook_torrance_closure, cook_torrance_direct, cook_torrance_mirror, fresnel, lamp
+from ..nodegroups import (
+    cook_torrance_closure,
+    cook_torrance_direct,
+    cook_torrance_fit,
+    cook_torrance_mirror,
+    fresnel,
+    lamp,
+)
 from . import lamps as lamp_binding
 from .presets import M_RANGE
 
@@ -24,7 +31,8 @@ if TYPE_CHECKING:
     from .presets import Preset
 
 BACKENDS = ("nodes", "osl")
-ESTIMATORS = ("closure", "mirror", "direct")
+ESTIMATORS = ("fit", "closure", "mirror", "direct")
+NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
 KEY = "vgroove"  # custom property on a material: what it was built from
 STATE = "vgroove_state"  # its inputs as built, to tell whether an artist changed them since
 
@@ -42,7 +50,7 @@ class Choice:
     """
 
     backend: str = "nodes"
-    estimator: str = "closure"
+    estimator: str = "fit"
     lamps: tuple[Object, ...] = ()
     shadows: bool = True
 
@@ -51,8 +59,8 @@ class Choice:
             if value not in known:
                 message = f'unknown {what} "{value}"; use one of {", ".join(known)}'
                 raise MaterialError(message)
-        if self.lamps and self.estimator == "closure":
-            message = '"closure" sees every lamp by itself; leave lamps empty'
+        if self.lamps and self.estimator in NATIVE:
+            message = f'"{self.estimator}" sees every lamp by itself; leave lamps empty'
             raise MaterialError(message)
         if len(self.lamps) > lamp_binding.LIMIT:
             message = f'"direct" binds at most {lamp_binding.LIMIT} lamps, got {len(self.lamps)}; bind the strongest'
@@ -88,7 +96,7 @@ def build(preset: Preset, choice: Choice) -> Material:
     output.location = (300, 0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     _show_in_solid_view(material, preset)
-    material.cycles.use_bump_map_correction = choice.estimator != "mirror"  # it would bend the sampled facets
+    material.cycles.use_bump_map_correction = choice.estimator not in {"mirror", "fit"}  # it would bend their normals
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
     material[KEY] = key
     material[STATE] = _state(material)
@@ -135,13 +143,16 @@ def _state(material: Material) -> str:
 
 
 def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
-    module = {"closure": cook_torrance_closure, "mirror": cook_torrance_mirror, "direct": cook_torrance_direct}[
-        choice.estimator
-    ]
+    module = {
+        "fit": cook_torrance_fit,
+        "closure": cook_torrance_closure,
+        "mirror": cook_torrance_mirror,
+        "direct": cook_torrance_direct,
+    }[choice.estimator]
     build_group = module.build if choice.backend == "nodes" else module.build_osl
     arguments: dict[str, Any] = {"kind": preset.fresnel}
     name = f"{module.NAME} {fresnel.LABELS[preset.fresnel]}"
-    if choice.estimator != "closure":
+    if choice.estimator not in NATIVE:
         arguments["lamps"] = len(choice.lamps)
     if choice.lamps:
         name += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"

@@ -14,6 +14,7 @@ import numpy as np
 from ..nodegroups import lamp
 from . import lamps
 from .files import replacing
+from .material import NATIVE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -46,8 +47,10 @@ def problems(scene: Scene, backend: str, estimator: str, m: float = 0.0) -> list
         found += _mirror_problems(scene)
     if estimator == "direct":
         found += _direct_problems(scene, backend)
-    if estimator == "closure" and m > 1.0:
-        found.append(Problem("slope", f"Closure ends at m = 1, to which Cycles clamps; m is {m:g}. Choose Mirror"))
+    if estimator in NATIVE and m > 1.0:
+        found.append(
+            Problem("slope", f"{estimator.title()} ends at m = 1, to which Cycles clamps; m is {m:g}. Choose Mirror")
+        )
     return found
 
 
@@ -148,14 +151,14 @@ def _use_mis(unseen: Sequence[Object]) -> None:
 
 
 def pick_estimator(scene: Scene) -> str:
-    """``auto``: mirror where rays readily hit every light, as it is exact; else closure, which sees all lights."""
+    """``auto``: mirror where rays readily hit every light, as it is exact; else fit, which sees all lights."""
     blind = {"size", "mis", "world", "small"}
-    return "closure" if any(problem.key in blind for problem in _mirror_problems(scene)) else "mirror"
+    return "fit" if any(problem.key in blind for problem in _mirror_problems(scene)) else "mirror"
 
 
 def lamps_to_bind(scene: Scene, estimator: str) -> tuple[Object, ...]:
     """The strongest lamps that the material evaluates itself: all for ``direct``, those of zero size for ``mirror``."""
-    if estimator == "closure":
+    if estimator in NATIVE:
         return ()
     followed = [item for item in lamps.of_scene(scene) if lamps.refusal(item) is None]
     return tuple(item for item in followed if estimator == "direct" or lamps.size(item) == 0.0)[: lamps.LIMIT]

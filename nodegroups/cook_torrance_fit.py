@@ -83,8 +83,8 @@ def build_lobes(tree: Tree) -> None:
         ms = m * length(aside)
         x = ms / maximum(maximum(c, 0.0) + ms, 1e-20)
     with tree.frame("The table's polynomials, one component a lobe"):
-        # The same for all components: a number that feeds a vector counts thrice.
-        weight, across, aspect, tilt = (_polynomial(tree, name, vector(x, x, x), vector(m, m, m)) for name in FUNCTIONS)
+        y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
+        weight, across, aspect, tilt = (_polynomial(tree, name, vector(y, y, y), vector(n, n, n)) for name in FUNCTIONS)
     with tree.frame("Slopes across and within the plane of view"):
         across = minimum(scale(exp(across), m), 1.0)
         within = across * maximum(exp(scale(maximum(aspect, 0.0), -x)), 0.1)
@@ -99,14 +99,19 @@ def build_lobes(tree: Tree) -> None:
     tree.output_vector("Tangent", cross(N, wo), tip="Across the plane of view")
 
 
-def _polynomial(tree: Tree, name: str, x: Value, m: Value) -> Value:
-    """Sum of c_jk x^j m^k by Horner's rule."""
-    coefficients = by_lobe(name)
-    result: Value | tuple[float, float, float] | None = None
-    for row in reversed(coefficients):
-        of_m: Value | tuple[float, float, float] = row[-1]
-        for number in reversed(row[:-1]):
-            of_m = tree.math("MULTIPLY_ADD", m, of_m, number)
-        result = of_m if result is None else tree.math("MULTIPLY_ADD", result, x, of_m)
-    assert isinstance(result, Value)
+def _polynomial(tree: Tree, name: str, y: Value, n: Value) -> Value:
+    """Sum of c_jk y^j n^k by Horner's rule."""
+    *rest, last = (_of_m(row, n) for row in by_lobe(name))
+    result = last
+    for coefficient in reversed(rest):
+        result = tree.math("MULTIPLY_ADD", result, y, coefficient)
     return result
+
+
+def _of_m(row: list[tuple[float, float, float]], n: Value) -> Value:
+    """Sum of c_k n^k."""
+    *rest, last = row
+    result = n * last
+    for number in reversed(rest[1:]):
+        result = (result + number) * n
+    return result + rest[0]

@@ -14,7 +14,7 @@ def count() -> int:
 
 
 def by_lobe(name: str) -> list[list[Vector]]:
-    """Coefficients [j][k] of x^j m^k of one function."""
+    """Coefficients [j][k] of (2x - 1)^j (2m - 1)^k of one function."""
     numbers = table()[name]
     padded = [[[float(c) for c in row] for row in lobe] for lobe in numbers]
     padded += [[[0.0] * len(row) for row in padded[0]] for _ in range(3 - len(padded))]
@@ -28,8 +28,13 @@ def header() -> str:
 
 
 def _function(name: str) -> str:
-    lines = [f"vector fit_{name}(float x, float m)", "{", "    vector p = 0;"]
+    lines = [
+        f"vector fit_{name}(float x, float m)",
+        "{",
+        "    float y = 2 * x - 1, n = 2 * m - 1;",
+        "    vector p = 0;",
+    ]
     for row in reversed(by_lobe(name)):
-        of_m = " + m * (".join(f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row)
-        lines.append(f"    p = p * x + ({of_m}" + ")" * len(row) + ";")
+        of_m = " + n * (".join(f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row)
+        lines.append(f"    p = p * y + ({of_m}" + ")" * len(row) + ";")
     return "\n".join([*lines, "    return p;", "}", ""])

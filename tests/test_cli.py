@@ -161,7 +161,7 @@ def scene_file(blender, tmp_path):
 
 @pytest.mark.blender
 @pytest.mark.parametrize("backend", ["nodes", "osl"])
-@pytest.mark.parametrize("estimator", ["closure", "mirror", "direct", "auto"])
+@pytest.mark.parametrize("estimator", ["fit", "closure", "mirror", "direct", "auto"])
 def test_render_a_scene_with_an_assigned_preset(scene_file, tmp_path, backend, estimator):
     """The assigned floor shines head-on; the scene's own size is kept."""
     path = tmp_path / "a.exr"

@@ -98,8 +98,8 @@ def test_unknown_choices_are_one_line(blender):
     """Backend and estimator are checked where they enter."""
     with pytest.raises(MaterialError, match='unknown backend "cuda"; use one of nodes, osl'):
         Choice(backend="cuda")
-    with pytest.raises(MaterialError, match='unknown estimator "fit"; use one of closure, mirror, direct'):
-        Choice(estimator="fit")
+    with pytest.raises(MaterialError, match='unknown estimator "exact"; use one of fit, closure, mirror, direct'):
+        Choice(estimator="exact")
 
 
 RENDER_WITHOUT_US = """
@@ -164,4 +164,4 @@ def test_the_estimator_auto_is_exact_where_it_can_be(blender):
     stage.collection.objects.link(blender.data.objects.new("Area", area))
     assert scene.pick_estimator(stage) == "mirror"
     area.cycles.use_multiple_importance_sampling = False
-    assert scene.pick_estimator(stage) == "closure"
+    assert scene.pick_estimator(stage) == "fit"

@@ -19,6 +19,7 @@ from vgroove.nodegroups import beckmann_d as beckmann_group
 from vgroove.nodegroups import (
     cook_torrance_closure,
     cook_torrance_direct,
+    cook_torrance_fit,
     cook_torrance_mirror,
     fresnel,
     lamp,
@@ -30,7 +31,14 @@ from vgroove.nodegroups import (
 
 pytestmark = pytest.mark.blender
 
-SHADERS = ("cook_torrance_closure", "cook_torrance_mirror", "cook_torrance_direct", "lamp", "gonio_camera")
+SHADERS = (
+    "cook_torrance_fit",
+    "cook_torrance_closure",
+    "cook_torrance_mirror",
+    "cook_torrance_direct",
+    "lamp",
+    "gonio_camera",
+)
 
 
 @pytest.fixture
@@ -90,8 +98,8 @@ def all_groups():
     made = {}
     for kind, module in fresnel.KINDS.items():
         made[module.NAME] = nodegroups.ensure(module.NAME, module.REVISION, module.build)
-        for estimator in (cook_torrance_closure, cook_torrance_mirror, cook_torrance_direct):
-            more = {} if estimator is cook_torrance_closure else {"lamps": 2}
+        for estimator in (cook_torrance_fit, cook_torrance_closure, cook_torrance_mirror, cook_torrance_direct):
+            more = {} if estimator in (cook_torrance_fit, cook_torrance_closure) else {"lamps": 2}
             for build in (estimator.build, estimator.build_osl):
                 name = f"{estimator.NAME} {kind} {build.__name__}"
                 made[name] = nodegroups.ensure(name, 1, partial(build, kind=kind, **more))
@@ -153,11 +161,16 @@ def test_every_shader_compiles_and_explains_its_parameters(blender, shader, tmp_
     parameters = {p.name: p for p in query.parameters}
     if not shader.startswith("cook_torrance"):
         return
-    estimator = {"closure": cook_torrance_closure, "mirror": cook_torrance_mirror, "direct": cook_torrance_direct}
+    estimator = {
+        "fit": cook_torrance_fit,
+        "closure": cook_torrance_closure,
+        "mirror": cook_torrance_mirror,
+        "direct": cook_torrance_direct,
+    }
     module = estimator[shader.rpartition("_")[2]]
     labels = {"F0": "f0", "IOR": "eta", "n": "n", "k": "k", "Slope m": "m"}
     for kind in fresnel.KINDS:
-        more = {} if module is cook_torrance_closure else {"lamps": 0}
+        more = {} if module in (cook_torrance_fit, cook_torrance_closure) else {"lamps": 0}
         group = nodegroups.ensure(f"{shader} {kind}", 1, partial(module.build_osl, kind=kind, **more))
         for item in sockets_of(group):
             if item.name not in labels:

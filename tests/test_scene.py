@@ -90,7 +90,8 @@ def test_each_problem_is_found_and_its_button_mends_it(stage, key):
 
 
 def test_closure_beyond_its_slope_and_direct_without_lamps_are_said(stage):
-    assert [p.key for p in scene.problems(stage, "nodes", "closure", m=2.0)] == ["slope"]
+    for native in ("fit", "closure"):
+        assert [p.key for p in scene.problems(stage, "nodes", native, m=2.0)] == ["slope"]
     stage.objects["Sun"].hide_render = True
     assert "lamps" in [p.key for p in scene.problems(stage, "nodes", "direct")]
 

@@ -55,7 +55,7 @@ def test_a_failure_half_way_leaves_nothing_behind(blender, monkeypatch):
 
 
 @pytest.mark.parametrize("backend", ["nodes", "osl"])
-@pytest.mark.parametrize("estimator", ["auto", "closure", "mirror", "direct"])
+@pytest.mark.parametrize("estimator", ["auto", "fit", "closure", "mirror", "direct"])
 def test_apply_gives_the_preset_to_selected_objects(extension, backend, estimator):
     """The cube gets it; the unselected camera's scene keeps the rest as it was."""
     stage = extension.context.scene

@@ -2,7 +2,8 @@
 """Cook-Torrance as a fixed mixture of the lobes that Cycles itself has: what estimator ``fit`` renders.
 
 Each lobe is a Beckmann microfacet lobe with Smith's G, slopes of its own across and in the plane of view, and a
-normal tilted within that plane. Weights, slopes and tilts are polynomials in (x, m); ``tools/fit_cook_torrance.py``
+normal tilted within that plane. Weights, slopes and tilts are polynomials in (2x - 1, 2m - 1), centred because
+float32 shaders would lose three digits in powers of x itself; ``tools/fit_cook_torrance.py``
 finds them by the least L1 distance from the V-groove model and writes ``cook_torrance_fit.toml``. F depends on v.h
 alone, so that one mixture serves every Fresnel term.
 
@@ -22,7 +23,7 @@ import numpy as np
 from .directions import above, as_directions, as_pair, as_positive, dot, facet_cosine, half_vector
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from .directions import Floats
     from .fresnel import Fresnel
@@ -46,15 +47,16 @@ class Lobes:
 
 @cache
 def table() -> dict[str, Floats]:
-    """Coefficients c[lobe, j, k] of x^j m^k for each of ``FUNCTIONS``, and those of the share of ``hybrid``."""
+    """Coefficients c[lobe, j, k] of (2x - 1)^j (2m - 1)^k for each of ``FUNCTIONS``."""
     with TABLE.open("rb") as file:
         return {name: np.array(numbers) for name, numbers in tomllib.load(file).items()}
 
 
 def polynomial(coefficients: Floats, x: Floats, m: Floats) -> Floats:
-    """Sum of c[..., j, k] x^j m^k; x and m (...), the result (..., lobes)."""
-    powers = np.einsum("...j,...k->...jk", x[..., None] ** np.arange(coefficients.shape[-2]),
-                       m[..., None] ** np.arange(coefficients.shape[-1]))  # fmt: skip
+    """Sum of c[..., j, k] (2x - 1)^j (2m - 1)^k; x and m (...), the result (..., lobes)."""
+    of_x = (2.0 * x - 1.0)[..., None] ** np.arange(coefficients.shape[-2])
+    of_m = (2.0 * m - 1.0)[..., None] ** np.arange(coefficients.shape[-1])
+    powers = np.einsum("...j,...k->...jk", of_x, of_m)
     return np.einsum("...jk,ljk->...l", powers, coefficients)
 
 
@@ -98,8 +100,8 @@ def weighted_lobes(wi: Floats, wo: Floats, of: Lobes) -> Floats:
         across, toward = w[..., 1] * X[..., 0] - w[..., 0] * X[..., 1], dot(w[..., :2], X)
         return across[..., None], toward[..., None], w[..., 2:]
 
-    frames = [turned(*parts(w), of.tilt) for w in (wi, wo, h)]
-    return of.weight * smith_lobe(*frames, of.across, of.within)
+    turned_wi, turned_wo, turned_h = (turned(*parts(w), of.tilt) for w in (wi, wo, h))
+    return of.weight * smith_lobe(turned_wi, turned_wo, turned_h, of.across, of.within)
 
 
 def turned(across: Floats, toward: Floats, up: Floats, tilt: Floats) -> tuple[Floats, Floats, Floats]:
@@ -108,9 +110,7 @@ def turned(across: Floats, toward: Floats, up: Floats, tilt: Floats) -> tuple[Fl
     return across, (toward + tilt * up) * cos_tilt, (up - tilt * toward) * cos_tilt
 
 
-def smith_lobe(
-    wi: tuple[Floats, ...], wo: tuple[Floats, ...], h: tuple[Floats, ...], ax: Floats, ay: Floats
-) -> Floats:
+def smith_lobe(wi: tuple[Floats, ...], wo: tuple[Floats, ...], h: tuple[Floats, ...], ax: Floats, ay: Floats) -> Floats:
     """D G / (4 v.n) of an anisotropic Beckmann lobe in its own frame; vectors as their three components."""
     lit = (wi[2] > 0) & (wo[2] > 0) & (h[2] > 1e-8)
     hz, no = np.where(lit, h[2], 1.0), np.where(lit, wo[2], 1.0)
@@ -120,7 +120,7 @@ def smith_lobe(
     return np.where(lit, D * G / (4.0 * no), 0.0)
 
 
-def _lambda(w: tuple[Floats, ...], lit: Floats, ax: Floats, ay: Floats) -> Floats:
+def _lambda(w: tuple[Floats, ...], lit: NDArray[np.bool_], ax: Floats, ay: Floats) -> Floats:
     """Smith's Lambda as ``distributions.smith_lambda``, for two slopes."""
     slope = np.sqrt(np.square(w[0] * ax) + np.square(w[1] * ay)) / np.where(lit, w[2], 1.0)
     rough = slope * 1.6 > 1.0
