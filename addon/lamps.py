@@ -94,8 +94,8 @@ def _irradiance(lamp: Object, place: Vector) -> float:
     power = light.energy * 2.0**light.exposure * sum(color) * (1.0 if light.normalize else _surface(lamp))
     if light.type == "SUN":
         return power
-    d2 = (lamp.matrix_world.translation - place).length_squared + size(lamp) ** 2  # finite at the lamp itself
-    return power / d2 / (pi if light.type == "AREA" else 4 * pi)
+    d2 = (lamp.matrix_world.translation - place).length_squared + size(lamp) ** 2
+    return power / max(d2, 1e-12) / (pi if light.type == "AREA" else 4 * pi)
 
 
 def _surface(lamp: Object) -> float:

@@ -53,7 +53,7 @@ def test_what_an_estimator_does_not_need_is_left_out(blender):
         assert ("ShaderNodeScript" in inside) == (choice.backend == "osl" and choice.estimator != "direct")
         assert "ShaderNodeRaycast" not in inside
         assert made.node_tree.animation_data is None
-        assert made.cycles.use_bump_map_correction == (choice.estimator != "mirror")
+        assert made.cycles.use_bump_map_correction == (choice.estimator not in {"mirror", "fit"})
 
 
 def test_building_twice_gives_one_material(blender):

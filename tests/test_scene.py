@@ -29,7 +29,7 @@ def spoil_size(stage):
     import bpy
 
     area = bpy.data.lights.new("Area", "AREA")
-    area.size = 0.0
+    area.size, area.spread = 0.0, 0.0  # so narrow a lamp the formula cannot follow either
     stage.collection.objects.link(bpy.data.objects.new("Area", area))
 
 

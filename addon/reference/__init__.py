@@ -6,7 +6,7 @@ light, ``wo`` to the viewer, shape (..., 3). A BRDF value is f(wi, wo) in 1/sr, 
 without the cosine.
 """
 
-from . import oren_nayar_fit
+from . import cook_torrance_fit, oren_nayar_fit
 from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
 from .directions import reflect, spherical
 from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
@@ -32,6 +32,7 @@ __all__ = [
     "albedo",
     "beckmann_d",
     "cook_torrance",
+    "cook_torrance_fit",
     "fresnel_conductor",
     "fresnel_dielectric",
     "fresnel_transmittance",
