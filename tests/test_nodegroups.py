@@ -2,6 +2,7 @@
 """Node groups give the reference's values, and OSL shaders, groups and tooltips speak of the same parameters."""
 
 from functools import partial
+from itertools import product
 
 import numpy as np
 import pytest
@@ -107,9 +108,10 @@ def all_groups():
         made[module.NAME] = nodegroups.ensure(module.NAME, module.REVISION, module.build)
     for kind in lamp.KINDS:
         for shadows in {False, lamp.can_cast_shadows()}:
-            for build in (lamp.build, lamp.build_osl):
-                name = f"{lamp.name(kind, shadows=shadows)} {build.__name__}"
-                made[name] = nodegroups.ensure(name, 1, partial(build, kind=kind, shadows=shadows))
+            for sized, build in product({kind in lamp.AREAS, True}, (lamp.build, lamp.build_osl)):
+                variant = {"kind": kind, "shadows": shadows, "sized": sized}
+                name = f"{lamp.name(**variant)} {build.__name__}"
+                made[name] = nodegroups.ensure(name, 1, partial(build, **variant))
     return made
 
 
