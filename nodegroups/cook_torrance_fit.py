@@ -10,20 +10,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..addon.reference.cook_torrance_fit import FUNCTIONS
+from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import cook_torrance, ensure
 from . import cook_torrance_closure as closure
-from ._tree import Tree, Value, cross, dot, exp, length, maximum, minimum, normalize, scale, sqrt, vector
-from .cook_torrance_table import by_lobe, count
+from ._tree import Number, Tree, Value, cross, dot, length, maximum, minimum, normalize, scale, sqrt, vector
+from .cook_torrance_table import by_lobe, count, shared
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Fit"
-REVISION = 1
+REVISION = 2
 LOBES_NAME = "VGroove Fit Lobes"
-MOST_ANISOTROPIC = 0.9  # of Cycles' Metallic BSDF: alphas are as 1 to 1 - 0.9 anisotropy
 
 
 def build(tree: Tree, kind: str) -> None:
@@ -40,36 +39,42 @@ def build_osl(tree: Tree, kind: str) -> None:
 def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
     """The mixture, one Metallic BSDF a lobe."""
     N = shading_normal(tree, inputs.normal)
+    mixture = lobes(tree, inputs.m, N)
+    root = sqrt(mixture.across)  # what Cycles' Metallic BSDF takes for the square root of a round lobe's slope
     shaders = []
-    for lobe in lobes(tree, inputs.m, N):
+    for lobe in mixture.lobes:
         with tree.frame("Lobe"):
-            roughness = sqrt(sqrt(lobe.across * lobe.within))
-            anisotropy = (1.0 - lobe.within / lobe.across) * (1.0 / MOST_ANISOTROPIC)
-            native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, anisotropy, lobe.tangent)
+            roughness = root * sqrt(sqrt(1.0 - (1.0 - NARROWEST) * lobe.anisotropy))
+            native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, lobe.anisotropy, mixture.tangent)
             shaders.append(tree.weighted(native, lobe.weight))
     return tree.add_shaders(shaders)
 
 
 @dataclass(frozen=True)
 class Lobe:
-    """One lobe of the mixture, as seen from the viewer; ``tangent`` lies across the plane of view."""
+    """One lobe of the mixture: its slope within the plane of view is across (1 - 0.9 anisotropy)."""
 
     weight: Value
-    across: Value
-    within: Value
+    anisotropy: Value
     normal: Value
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """The lobes as seen from the viewer, and what they share: slope ``across`` the plane of view, along ``tangent``."""
+
+    lobes: list[Lobe]
+    across: Value
     tangent: Value
 
 
-def lobes(tree: Tree, m: Value, N: Value) -> list[Lobe]:
-    """The mixture's lobes through the nested group that holds the table."""
+def lobes(tree: Tree, m: Value, N: Value) -> Mixture:
+    """The mixture through the nested group that holds the table."""
     node = tree.group(ensure(LOBES_NAME, REVISION, build_lobes), m=m, N=N)
     outputs = {output.name: Value(tree, output) for output in node.outputs}
-    weights, acrosses, withins = (outputs[name].xyz for name in ("Weight", "Across", "Within"))
-    return [
-        Lobe(weights[k], acrosses[k], withins[k], outputs[f"Normal {k + 1}"], outputs["Tangent"])
-        for k in range(count())
-    ]
+    weights, anisotropies = (outputs[name].xyz for name in ("Weight", "Anisotropy"))
+    each = [Lobe(weights[k], anisotropies[k], outputs[f"Normal {k + 1}"]) for k in range(count())]
+    return Mixture(each, outputs["Across"], outputs["Tangent"])
 
 
 def build_lobes(tree: Tree) -> None:
@@ -84,31 +89,33 @@ def build_lobes(tree: Tree) -> None:
         x = ms / maximum(maximum(c, 0.0) + ms, 1e-20)
     with tree.frame("The table's polynomials, one component a lobe"):
         y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
-        weight, across, aspect, tilt = (_polynomial(tree, name, vector(y, y, y), vector(n, n, n)) for name in FUNCTIONS)
-    with tree.frame("Slopes across and within the plane of view"):
-        across = minimum(scale(exp(across), m), 1.0)
-        within = across * maximum(exp(scale(maximum(aspect, 0.0), -x)), 0.1)
+        weight, anisotropy, tilt = (
+            _polynomial(tree, by_lobe(name), vector(y, y, y), vector(n, n, n))
+            for name in ("weight", "anisotropy", "tilt")
+        )
+        across = minimum(m * _polynomial(tree, shared("across"), y, n), 1.0)
     with tree.frame("Normals that lean away from the viewer"):
         lean = scale(aside, m * (1.0 - x))
         normals = [normalize(N - scale(lean, part)) for part in tilt.xyz]
     tree.output_vector("Weight", maximum(weight, 0.0), tip="Of each lobe")
-    tree.output_vector("Across", across, tip="RMS slope across the plane of view, of each lobe")
-    tree.output_vector("Within", within, tip="RMS slope within the plane of view, of each lobe")
+    tip = "How much narrower each lobe is within the plane of view: slope across times 1 - 0.9 of this"
+    tree.output_vector("Anisotropy", minimum(maximum(scale(anisotropy, x), 0.0), 1.0), tip=tip)
+    tree.output_float("Across", across, tip="RMS slope across the plane of view, of all lobes")
     for k in range(count()):
         tree.output_vector(f"Normal {k + 1}", normals[k], tip="The lobe's own normal")
     tree.output_vector("Tangent", cross(N, wo), tip="Across the plane of view")
 
 
-def _polynomial(tree: Tree, name: str, y: Value, n: Value) -> Value:
+def _polynomial(tree: Tree, rows: list[list[Number]], y: Value, n: Value) -> Value:
     """Sum of c_jk y^j n^k by Horner's rule."""
-    *rest, last = (_of_m(row, n) for row in by_lobe(name))
+    *rest, last = (_of_m(row, n) for row in rows)
     result = last
     for coefficient in reversed(rest):
         result = tree.math("MULTIPLY_ADD", result, y, coefficient)
     return result
 
 
-def _of_m(row: list[tuple[float, float, float]], n: Value) -> Value:
+def _of_m(row: list[Number], n: Value) -> Value:
     """Sum of c_k n^k."""
     *rest, last = row
     result = n * last

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..addon.reference.cook_torrance_fit import FUNCTIONS, table
+from ..addon.reference.cook_torrance_fit import table
 
 Vector = tuple[float, float, float]
 
@@ -22,19 +22,28 @@ def by_lobe(name: str) -> list[list[Vector]]:
     return [list(zip(*rows, strict=True)) for rows in zip(first, second, third, strict=True)]
 
 
+def shared(name: str) -> list[list[float]]:
+    """The same of a function that all lobes share."""
+    (rows,) = table()[name]
+    return [[float(c) for c in row] for row in rows]
+
+
 def header() -> str:
     """OSL text: the polynomials as functions ``fit_NAME(x, m)`` by Horner's rule."""
-    return "\n".join([f"#define FIT_LOBES {count()}", "", *(_function(name) for name in FUNCTIONS)])
+    functions = [
+        _function("vector", name, [[f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row] for row in by_lobe(name)])
+        for name in ("weight", "anisotropy", "tilt")
+    ]
+    functions.append(_function("float", "across", [[f"{c:.9g}" for c in row] for row in shared("across")]))
+    return "\n".join([f"#define FIT_LOBES {count()}", "", *functions])
 
 
-def _function(name: str) -> str:
+def _function(kind: str, name: str, rows: list[list[str]]) -> str:
     lines = [
-        f"vector fit_{name}(float x, float m)",
+        f"{kind} fit_{name}(float x, float m)",
         "{",
         "    float y = 2 * x - 1, n = 2 * m - 1;",
-        "    vector p = 0;",
+        f"    {kind} p = 0;",
     ]
-    for row in reversed(by_lobe(name)):
-        of_m = " + n * (".join(f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row)
-        lines.append(f"    p = p * y + ({of_m}" + ")" * len(row) + ";")
+    lines += [f"    p = p * y + ({' + n * ('.join(row)}" + ")" * len(row) + ";" for row in reversed(rows)]
     return "\n".join([*lines, "    return p;", "}", ""])

@@ -22,13 +22,13 @@ from vgroove.addon.reference.distributions import vgroove_g
 
 LOBES = 3
 RADII, TURNS = 48, 40  # of the grid of facets
-DEGREE_X, DEGREE_M = 8, 4
+DEGREE_X, DEGREE_M = 6, 5
+ACROSS_X = 3  # degree in x of the slope across, which all lobes share
 SLOPES = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 ANGLES = (0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 68, 70, 73, 75, 78, 80, 82, 84, 85.5, 87, 89)
 PRINTED = (0, 20, 40, 60, 75, 85)
 SMOOTHING = 3e-4  # of the peak: below this |r| is taken for r^2
 ALBEDO = 0.005  # share by which the mixture's albedo may differ before it costs
-LOW, HIGH = np.array([[0.0], [-0.5], [0.0], [-3.0]]), np.array([[1.0], [1.0], [6.0], [1.2]])
 
 
 class Cell:
@@ -60,13 +60,9 @@ class Cell:
         self.basis = np.outer(_chebyshev(self.x, DEGREE_X), _chebyshev(m, DEGREE_M)).ravel()
 
     def lobes(self, functions: np.ndarray) -> fit.Lobes:
-        """Lobes from the values of weight, across, aspect, tilt (4, lobes), as ``fit.lobes`` makes them."""
-        weight, across, aspect, tilt = functions
-        across = np.minimum(self.m * np.exp(across), 1.0)
-        s = np.sin(self.angle)
-        return fit.Lobes(
-            weight, across, across * np.maximum(np.exp(-self.x * aspect), 0.1), self.m * (1.0 - self.x) * s * tilt
-        )
+        """Lobes from the values of ``fit.FUNCTIONS``, one after the other, as ``fit.lobes`` makes them."""
+        weight, anisotropy, tilt, across = split(functions)
+        return fit.shaped(np.float64(self.m), np.float64(self.x), np.sin(self.angle), weight, anisotropy, tilt, across)
 
     def parts(self, functions: np.ndarray) -> np.ndarray:
         """f cos of each lobe of weight 1 on the grid, (N, lobes)."""
@@ -74,21 +70,31 @@ class Cell:
         wi, wo, h = (fit.turned(*w, of.tilt) for w in (self.wi_parts, self.wo_parts, self.h_parts))
         return fit.smith_lobe(wi, wo, h, of.across, of.within)
 
+    def limits(self, lobes: int) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest value of each function."""
+        most = min(1.0 / max(self.x, 1e-9), 8.0)
+        widest = min(2.0, 1.0 / self.m)
+        low = np.repeat([0.0, 0.0, -3.0], lobes), [0.5]
+        high = np.repeat([1.0, most, 1.2], lobes), [widest]
+        return np.concatenate(low), np.concatenate(high)
+
     def distance(self, functions: np.ndarray) -> tuple[float, float]:
         """L1 and the albedo's relative error."""
-        r = self.parts(functions) @ functions[0] - self.f_cos
+        r = self.parts(functions) @ split(functions)[0] - self.f_cos
         return float(np.abs(r) @ self.solid_angle / self.albedo), float(r @ self.solid_angle / self.albedo)
 
     def loss(self, functions: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """Smoothed L1 and the cost of a wrong albedo; gradient and Gauss-Newton matrix in the (4 * lobes) values."""
+        """Smoothed L1 and the cost of a wrong albedo; gradient and Gauss-Newton matrix in the values."""
         parts = self.parts(functions)
-        r = parts @ functions[0] - self.f_cos
+        weight = split(functions)[0]
+        r = parts @ weight - self.f_cos
         columns = [parts]
-        for row in (1, 2, 3):
+        for part in range(1, 4):
             nudged = functions.copy()
-            nudged[row] += 1e-4
-            columns.append((self.parts(nudged) - parts) / 1e-4 * functions[0])
-        J = np.stack(columns, axis=-1).transpose(0, 2, 1).reshape(len(r), -1)
+            split(nudged)[part][...] += 1e-4
+            slopes = (self.parts(nudged) - parts) / 1e-4 * weight
+            columns.append(slopes if part < 3 else slopes.sum(axis=1, keepdims=True))
+        J = np.concatenate(columns, axis=1)
         epsilon = SMOOTHING * np.max(self.f_cos)
         size = np.sqrt(r * r + epsilon * epsilon)
         weight = self.solid_angle / self.albedo
@@ -114,23 +120,28 @@ def _chebyshev(x: float, degree: int) -> np.ndarray:
     return np.polynomial.chebyshev.chebvander(np.array([2.0 * x - 1.0]), degree)[0]
 
 
+def split(functions: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Views of weight, anisotropy and tilt (lobes,) and of across (1,)."""
+    lobes = (len(functions) - 1) // 3
+    return functions[:lobes], functions[lobes : 2 * lobes], functions[2 * lobes : -1], functions[-1:]
+
+
 def optimum(cell: Cell, starts: list[np.ndarray]) -> np.ndarray:
-    """The best mixture for one cell alone, (4, lobes): the floor for every smooth table."""
+    """The best mixture for one cell alone, (3 lobes + 1,): the floor for every smooth table."""
     best = None
     for start in starts:
-        functions, damping = np.clip(start, LOW, HIGH), 1e-2
+        low, high = cell.limits((len(start) - 1) // 3)
+        functions, damping = np.clip(start, low, high), 1e-2
         loss, gradient, matrix = cell.loss(functions)
         for _ in range(150):
-            flat = functions.ravel()
-            low, high = (np.broadcast_to(limit, functions.shape).ravel() for limit in (LOW, HIGH))
-            free = ~((flat <= low) & (gradient > 0)) & ~((flat >= high) & (gradient < 0))
+            free = ~((functions <= low) & (gradient > 0)) & ~((functions >= high) & (gradient < 0))
             if not free.any():
                 break
-            step = np.zeros_like(flat)
+            step = np.zeros_like(functions)
             damped = matrix[np.ix_(free, free)]
             damped = damped + np.diag(damping * np.diag(damped) + 1e-9)
             step[free] = -np.linalg.solve(damped, gradient[free])
-            trial = np.clip(functions + np.clip(step, -0.3, 0.3).reshape(functions.shape), LOW, HIGH)
+            trial = np.clip(functions + np.clip(step, -0.3, 0.3), low, high)
             trial_loss = cell.loss(trial)
             if trial_loss[0] < loss:
                 small = loss - trial_loss[0] < 1e-7
@@ -148,29 +159,26 @@ def optimum(cell: Cell, starts: list[np.ndarray]) -> np.ndarray:
 
 def random_starts(rng: np.random.Generator, count: int, lobes: int) -> list[np.ndarray]:
     return [
-        np.stack([rng.dirichlet(np.ones(lobes)), rng.normal(0, 0.1, lobes), rng.exponential(1.0, lobes),
-                  rng.normal(0.3, 0.6, lobes)])
+        np.concatenate([rng.dirichlet(np.ones(lobes)), rng.exponential(0.7, lobes), rng.normal(0.3, 0.6, lobes), [1.0]])
         for _ in range(count)
-    ]  # fmt: skip
+    ]
 
 
 @dataclass
 class Table:
-    """Chebyshev coefficients of all functions, (4 * lobes, basis), and the cells they are held against."""
+    """Chebyshev coefficients of all functions, (3 lobes + 1, basis), and the cells they are held against."""
 
     cells: list[Cell]
     importance: np.ndarray
-
-    def functions(self, coefficients: np.ndarray, cell: Cell) -> np.ndarray:
-        return (coefficients @ cell.basis).reshape(4, -1)
+    free: np.ndarray  # which coefficients are not 0 for good, (3 lobes + 1, basis)
 
     def loss(self, coefficients: np.ndarray, *, slope: bool) -> tuple[float, np.ndarray, np.ndarray]:
         rows, width = coefficients.shape
         total, gradient, matrix = 0.0, np.zeros((rows, width)), np.zeros((rows, rows, width, width))
         for cell, importance in zip(self.cells, self.importance, strict=True):
-            raw = self.functions(coefficients, cell)
-            held = np.clip(raw, LOW, HIGH)
-            beyond = (raw - held).ravel()
+            raw = coefficients @ cell.basis
+            held = np.clip(raw, *cell.limits((rows - 1) // 3))
+            beyond = raw - held
             loss, g, H = cell.loss(held) if slope else (cell.loss(held)[0], None, None)
             total += importance * (loss + 0.1 * float(beyond @ beyond))
             if not slope:
@@ -184,13 +192,15 @@ class Table:
         return total, gradient.ravel(), matrix.transpose(0, 2, 1, 3).reshape(size, size)
 
     def descend(self, coefficients: np.ndarray, steps: int) -> tuple[float, np.ndarray]:
-        damping = 1e-2
+        damping, free = 1e-2, self.free.ravel()
         loss, gradient, matrix = self.loss(coefficients, slope=True)
         for _ in range(steps):
             while True:
-                damped = matrix + np.diag(damping * np.diag(matrix) + 1e-7 * np.trace(matrix) / len(matrix))
-                step = -np.linalg.solve(damped, gradient).reshape(coefficients.shape)
-                trial = coefficients + step * min(1.0, 0.5 / np.max(np.abs(step)))
+                held = matrix[np.ix_(free, free)]
+                damped = held + np.diag(damping * np.diag(held) + 1e-7 * np.trace(held) / len(held))
+                step = np.zeros(free.shape)
+                step[free] = -np.linalg.solve(damped, gradient[free])
+                trial = coefficients + step.reshape(coefficients.shape) * min(1.0, 0.5 / np.max(np.abs(step)))
                 after = self.loss(trial, slope=False)[0]
                 if after < loss or damping > 1e4:
                     break
@@ -208,9 +218,11 @@ class Table:
 def monomials(coefficients: np.ndarray) -> dict[str, np.ndarray]:
     """Coefficients [lobe, j, k] of (2x - 1)^j (2m - 1)^k for each function; from Chebyshev's."""
     to_power = [_to_powers(degree) for degree in (DEGREE_X, DEGREE_M)]
-    grid = coefficients.reshape(len(fit.FUNCTIONS), -1, DEGREE_X + 1, DEGREE_M + 1)
-    powers = np.einsum("flab,aj,bk->fljk", grid, *to_power)
-    return dict(zip(fit.FUNCTIONS, powers, strict=True))
+    grid = coefficients.reshape(-1, DEGREE_X + 1, DEGREE_M + 1)
+    powers = np.einsum("lab,aj,bk->ljk", grid, *to_power)
+    lobes = (len(powers) - 1) // 3
+    parts = powers[:lobes], powers[lobes : 2 * lobes], powers[2 * lobes : -1], powers[-1:, : ACROSS_X + 1]
+    return dict(zip(fit.FUNCTIONS, parts, strict=True))
 
 
 def _to_powers(degree: int) -> np.ndarray:
@@ -237,28 +249,28 @@ def toml(numbers: dict[str, np.ndarray]) -> str:
     return "\n".join(lines) + "\n"
 
 
-START = np.array([[0.9, 0.05, 0.05], [0, 0, 0], [0.1, 2.5, 4.0], [0, 0.3, 0.6]])  # a wide lobe and two narrow ones
+# A wide lobe and two narrow ones: weight, anisotropy and tilt of each, and the slope across.
+START = np.array([0.9, 0.05, 0.05, 0.1, 1.0, 1.5, 0.0, 0.3, 0.6, 1.0])
+TWO_STARTS = [np.array([0.9, 0.1, 0.1, 1.0, 0.0, 0.3, 1.0]), np.array([0.9, 0.1, 0.1, 1.5, 0.0, 0.6, 1.0])]
 
 
 def search() -> np.ndarray:
     """Coefficients of all cells together: a coarse table first, then one of full degree that starts from it."""
     cells = [Cell(m, degrees) for m in SLOPES for degrees in ANGLES]
     # A cell counts by its own optimum; beyond 85.5 degrees little, where the model's own shape is extreme.
-    floor = np.array([cell.distance(optimum(cell, [START[:, :2]]))[0] for cell in cells])
+    floor = np.array([cell.distance(optimum(cell, TWO_STARTS[:1]))[0] for cell in cells])
     importance = np.where([cell.angle > np.radians(86.0) for cell in cells], 0.1, 1.0) / (floor + 0.003)
-    table = Table(cells, importance)
-    coarse_x, coarse_m = 3, 1
-    full = [cell.basis for cell in cells]
-    for cell in cells:
-        cell.basis = np.outer(_chebyshev(cell.x, coarse_x), _chebyshev(cell.m, coarse_m)).ravel()
-    coefficients = np.zeros((START.size, (coarse_x + 1) * (coarse_m + 1)))
-    coefficients[:, 0] = START.ravel()
-    _, coefficients = table.descend(coefficients, 30)
-    for cell, basis in zip(cells, full, strict=True):
-        cell.basis = basis
-    grown = np.zeros((START.size, DEGREE_X + 1, DEGREE_M + 1))
-    grown[:, : coarse_x + 1, : coarse_m + 1] = coefficients.reshape(START.size, coarse_x + 1, coarse_m + 1)
-    return table.descend(grown.reshape(START.size, -1), 150)[1]
+    powers_x = np.repeat(np.arange(DEGREE_X + 1), DEGREE_M + 1)
+    powers_m = np.tile(np.arange(DEGREE_M + 1), DEGREE_X + 1)
+    coefficients = np.zeros((START.size, powers_x.size))
+    coefficients[:, 0] = START
+    most_x = np.full((START.size, 1), DEGREE_X)
+    most_x[-1] = ACROSS_X
+    for degree_x, degree_m, steps in ((3, 1, 30), (DEGREE_X, DEGREE_M, 150)):
+        free = (powers_x <= np.minimum(most_x, degree_x)) & (powers_m <= degree_m)
+        loss, coefficients = Table(cells, importance, free).descend(coefficients, steps)
+        print(f"degrees {degree_x}, {degree_m}: loss {loss:.4f}", flush=True)
+    return coefficients
 
 
 def print_table() -> None:
@@ -269,10 +281,10 @@ def print_table() -> None:
         line = []
         for degrees in PRINTED:
             cell = Cell(m, degrees)
-            plain = cell.distance(np.array([[1.0], [0.0], [0.0], [0.0]]))[0]
-            starts = [START[:, :2], START[:, ::2], *random_starts(np.random.default_rng(0), 8, 2)]
+            plain = cell.distance(np.array([1.0, 0.0, 0.0, 1.0]))[0]
+            starts = [*TWO_STARTS, *random_starts(np.random.default_rng(0), 8, 2)]
             if degrees == 0:  # round and upright head-on, as every table must be to be continuous
-                starts = [start * [[1.0], [1.0], [0.0], [0.0]] for start in starts]
+                starts = [start * [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0] for start in starts]
             best = cell.distance(optimum(cell, starts))[0]
             of = fit.lobes(cell.wo, m)
             r = np.sum(fit.weighted_lobes(cell.wi, cell.wo, of), axis=-1) - cell.f_cos

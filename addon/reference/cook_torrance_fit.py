@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from .fresnel import Fresnel
 
 TABLE = Path(__file__).with_suffix(".toml")
-FUNCTIONS = ("weight", "across", "aspect", "tilt")
+FUNCTIONS = ("weight", "anisotropy", "tilt", "across")
+NARROWEST = 0.1  # within over across: what Cycles' Metallic BSDF offers
 
 
 @dataclass(frozen=True)
@@ -64,18 +65,23 @@ def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = 
     """The mixture for views ``wo`` and slopes ``m``, which are held to Cycles' limit of 1.
 
     With x = m s / (c + m s), c = n.v, s = sin: 0 head-on, 1 at grazing, and alike for all m where m is small:
-    weight = max(w, 0);  across = min(1, m exp(a));  within = across max(exp(-x max(r, 0)), 0.1);  tilt = m (1 - x) s t,
-    so that head-on every lobe is round and upright, as it must be to stay continuous there.
+    weight = max(w, 0);  across = min(1, m a), the same for all;  within = across (1 - 0.9 min(max(x r, 0), 1));
+    tilt = m (1 - x) s t. Head-on every lobe is round and upright, as it must be to stay continuous there.
 
     wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
     c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
     x, m = np.broadcast_arrays(m * s / np.maximum(c + m * s, 1e-300), m)
-    weight, across, aspect, tilt = (polynomial((coefficients or table())[name], x, m) for name in FUNCTIONS)
-    across = np.minimum(m[..., None] * np.exp(across), 1.0)
-    within = across * np.maximum(np.exp(-x[..., None] * np.maximum(aspect, 0.0)), 0.1)
-    return Lobes(np.maximum(weight, 0.0), across, within, (m * (1.0 - x) * s)[..., None] * tilt)
+    values = (polynomial((coefficients or table())[name], x, m) for name in FUNCTIONS)
+    return shaped(m[..., None], x[..., None], s[..., None], *values)
+
+
+def shaped(m: Floats, x: Floats, s: Floats, weight: Floats, anisotropy: Floats, tilt: Floats, across: Floats) -> Lobes:
+    """Lobes from the values of the polynomials, as ``lobes`` says."""
+    across = np.minimum(m * across, 1.0) * np.ones_like(weight)
+    within = across * (1.0 - (1.0 - NARROWEST) * np.clip(x * anisotropy, 0.0, 1.0))
+    return Lobes(np.maximum(weight, 0.0), across, within, m * (1.0 - x) * s * tilt)
 
 
 def mixture(wi: ArrayLike, wo: ArrayLike, m: ArrayLike) -> Floats:

@@ -12,12 +12,13 @@ void fit_lobes(normal n, vector wo, float slope, output Lobe lobes[FIT_LOBES])
     float m = min(slope, 1), c = dot(n, wo);
     vector aside = wo - c * n;
     float ms = m * length(aside), x = ms / max(max(c, 0) + ms, 1e-20);
-    vector weight = fit_weight(x, m), across = fit_across(x, m), aspect = fit_aspect(x, m), tilt = fit_tilt(x, m);
+    vector weight = fit_weight(x, m), anisotropy = x * fit_anisotropy(x, m), tilt = fit_tilt(x, m);
+    float across = min(m * fit_across(x, m), 1);
     vector lean = m * (1 - x) * aside;
     for (int k = 0; k < FIT_LOBES; ++k) {
         lobes[k].weight = max(weight[k], 0);
-        lobes[k].across = min(m * exp(across[k]), 1);
-        lobes[k].within = lobes[k].across * max(exp(-x * max(aspect[k], 0)), 0.1);
+        lobes[k].across = across;
+        lobes[k].within = across * (1 - 0.9 * clamp(anisotropy[k], 0, 1));
         lobes[k].n = normalize(n - tilt[k] * lean);
     }
 }
