@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 
 from ..nodegroups.osl_script import text_block
-from .material import Choice, build
+from .material import Choice, binds, build
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -95,11 +95,11 @@ def measure_preset(
     preset: Preset, backend: str, estimator: str, geometry: Geometry, *,
     samples: int = 1, seed: int = 0, shading_osl: bool = True,
 ) -> NDArray[np.float32]:  # fmt: skip
-    """As ``measure``, of the material that ``preset`` makes; ``direct`` is bound to the instrument's sun."""
+    """As ``measure``, of the material that ``preset`` makes; bound to the instrument's sun if ``binds`` says so."""
 
     def make(lamps: tuple[Object, ...]) -> Material:
         # No shadows: tracing under an OSL camera crashes Blender 5.2.3, and nothing stands in the light.
-        bound = lamps if estimator == "direct" else ()
+        bound = lamps if binds(estimator, geometry.sun_angle) else ()
         return build(preset, Choice(backend, estimator, bound, shadows=False))
 
     return _measure(make, geometry, samples, seed, shading_osl)
@@ -238,7 +238,7 @@ def measure_sphere(
         geometry = Geometry(theta_i)
         (lamp,) = light(scene, geometry)
         lamp.data.energy = 1.0
-        bound = (lamp,) if estimator == "direct" else ()
+        bound = (lamp,) if binds(estimator, 0.0) else ()
         _sphere(scene, build(preset, Choice(backend, estimator, bound, shadows=False)))
         camera = bpy.data.cameras.new("VGroove gonio")
         camera.type, camera.ortho_scale = "ORTHO", 2.0

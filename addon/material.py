@@ -14,14 +14,17 @@ import bpy
 from .. import nodegroups
 from ..nodegroups import (
     cook_torrance_closure,
+    cook_torrance_corrected,
     cook_torrance_direct,
     cook_torrance_fit,
+    cook_torrance_hybrid,
     cook_torrance_mirror,
     fresnel,
     lamp,
 )
 from . import lamps as lamp_binding
 from .presets import M_RANGE
+from .reference.cook_torrance_fit import BOUNDS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,10 +34,20 @@ if TYPE_CHECKING:
     from .presets import Preset
 
 BACKENDS = ("nodes", "osl")
-ESTIMATORS = ("fit", "closure", "mirror", "direct")
+ESTIMATORS = ("fit", "closure", "corrected", "hybrid", "mirror", "direct")
+TILTED = {"fit", "corrected", "hybrid", "mirror"}  # their normals would be bent by Bump Map Correction
 NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
+EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
 KEY = "vgroove"  # custom property on a material: what it was built from
 STATE = "vgroove_state"  # its inputs as built, to tell whether an artist changed them since
+
+
+def binds(estimator: str, lamp_size: float) -> bool:
+    """Whether a material by ``estimator`` evaluates the formula itself at a lamp of this size.
+
+    ``mirror`` and ``hybrid`` do so where it is 0, as their random rays cannot hit such a lamp.
+    """
+    return estimator in EVERY_LAMP or (estimator not in NATIVE and lamp_size == 0.0)
 
 
 class MaterialError(ValueError):
@@ -45,14 +58,16 @@ class MaterialError(ValueError):
 class Choice:
     """How a preset becomes a material.
 
-    lamps: those that are evaluated by the formula: all of ``direct``, and beside ``mirror`` those of zero size, which
-    no ray can hit. shadows: whether these lamps cast any.
+    lamps: those that are evaluated by the formula: all of ``direct`` and ``corrected``, and beside ``mirror`` and
+    ``hybrid`` those of zero size, which no ray can hit. shadows: whether these lamps cast any.
+    bound: how much of the directional albedo ``hybrid`` may have wrong.
     """
 
     backend: str = "nodes"
     estimator: str = "fit"
     lamps: tuple[Object, ...] = ()
     shadows: bool = True
+    bound: float = cook_torrance_hybrid.DEFAULT_BOUND
 
     def __post_init__(self) -> None:
         for what, value, known in (("backend", self.backend, BACKENDS), ("estimator", self.estimator, ESTIMATORS)):
@@ -63,7 +78,12 @@ class Choice:
             message = f'"{self.estimator}" sees every lamp by itself; leave lamps empty'
             raise MaterialError(message)
         if len(self.lamps) > lamp_binding.LIMIT:
-            message = f'"direct" binds at most {lamp_binding.LIMIT} lamps, got {len(self.lamps)}; bind the strongest'
+            most = f"at most {lamp_binding.LIMIT} lamps, got {len(self.lamps)}; bind the strongest"
+            message = f'"{self.estimator}" binds {most}'
+            raise MaterialError(message)
+        low, high = BOUNDS
+        if not low <= self.bound <= high:
+            message = f"bound must be between {low:g} and {high:g} of the reflected light, got {self.bound:g}"
             raise MaterialError(message)
         for one in self.lamps:
             if refused := lamp_binding.refusal(one):
@@ -90,13 +110,15 @@ def build(preset: Preset, choice: Choice) -> Material:
     for name, value in preset.parameters.items():
         # m = 0, a smooth interface, is what float32 can hold of it
         _set(node, SOCKETS[name], max(preset.m, M_RANGE[0]) if name == "m" else value)
+    if choice.estimator == "hybrid":
+        _set(node, "Bound", choice.bound)
     for index, one in enumerate(choice.lamps, 1):
         _bind(tree, node, index, one, choice)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     output.location = (300, 0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     _show_in_solid_view(material, preset)
-    material.cycles.use_bump_map_correction = choice.estimator not in {"mirror", "fit"}  # it would bend their normals
+    material.cycles.use_bump_map_correction = choice.estimator not in TILTED
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
     material[KEY] = key
     material[STATE] = _state(material)
@@ -125,7 +147,7 @@ def _key(preset: Preset, choice: Choice) -> str:
         [one.name, lamp_binding.kind(one), lamp_binding.size(one) > 0, choice.shadows and one.data.use_shadow]
         for one in choice.lamps
     ]
-    return json.dumps([preset.id, preset.parameters, choice.backend, choice.estimator, bound])
+    return json.dumps([preset.id, preset.parameters, choice.backend, choice.estimator, choice.bound, bound])
 
 
 def _state(material: Material) -> str:
@@ -146,6 +168,8 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
     module = {
         "fit": cook_torrance_fit,
         "closure": cook_torrance_closure,
+        "corrected": cook_torrance_corrected,
+        "hybrid": cook_torrance_hybrid,
         "mirror": cook_torrance_mirror,
         "direct": cook_torrance_direct,
     }[choice.estimator]

@@ -14,7 +14,7 @@ import numpy as np
 from ..nodegroups import lamp
 from . import lamps
 from .files import replacing
-from .material import NATIVE
+from .material import NATIVE, binds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -157,11 +157,9 @@ def pick_estimator(scene: Scene) -> str:
 
 
 def lamps_to_bind(scene: Scene, estimator: str) -> tuple[Object, ...]:
-    """The strongest lamps that the material evaluates itself: all for ``direct``, those of zero size for ``mirror``."""
-    if estimator in NATIVE:
-        return ()
+    """The strongest lamps that the material evaluates itself, as ``binds`` says for their size."""
     followed = [item for item in lamps.of_scene(scene) if lamps.refusal(item) is None]
-    return tuple(item for item in followed if estimator == "direct" or lamps.size(item) == 0.0)[: lamps.LIMIT]
+    return tuple(item for item in followed if binds(estimator, lamps.size(item)))[: lamps.LIMIT]
 
 
 # The preview scene

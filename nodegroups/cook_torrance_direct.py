@@ -9,11 +9,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import beckmann_d, cook_torrance, ensure, fresnel, vgroove_g
-from ._tree import Tree, Value, dot, length, less, maximum, normalize
+from ._tree import Number, Tree, Value, dot, length, less, maximum, normalize
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Direct"
@@ -32,22 +34,38 @@ def build_osl(tree: Tree, kind: str, lamps: int) -> None:
     tree.output_shader("Emission", emission_osl(tree, kind, inputs, beams), tip="To the material's Surface")
 
 
-def emission(tree: Tree, kind: str, inputs: cook_torrance.Inputs, beams: Beams) -> NodeSocket:
-    """The radiance of all lamps, as an emission closure of plain nodes."""
+def emission(
+    tree: Tree,
+    kind: str,
+    inputs: cook_torrance.Inputs,
+    beams: Beams,
+    carried: Callable[[Value, Value], Value] | None = None,
+) -> NodeSocket:
+    """The radiance of all lamps, as an emission closure of plain nodes.
+
+    ``carried``: what other closures send of it already, f cos with F = 1 from (wi, h); the emission is then what they
+    lack, negative where they send too much.
+    """
     N = shading_normal(tree, inputs.normal)
-    radiance = sum(_radiance(tree, kind, inputs, N, wi, irradiance) for wi, irradiance in beams)
+    radiance = sum(_radiance(tree, kind, inputs, N, wi, irradiance, carried) for wi, irradiance in beams)
     return tree.node("ShaderNodeEmission", radiance if beams else (0.0, 0.0, 0.0)).outputs["Emission"]
 
 
-def emission_osl(tree: Tree, kind: str, inputs: cook_torrance.Inputs, beams: Beams) -> NodeSocket:
+def emission_osl(
+    tree: Tree, kind: str, inputs: cook_torrance.Inputs, beams: Beams, shader: str = "direct", **more: Number
+) -> NodeSocket:
     """The same from one script a lamp."""
     scripts = [
-        cook_torrance.script(tree, "direct", kind, inputs, ToLamp=wi, Irradiance=irradiance) for wi, irradiance in beams
+        cook_torrance.script(tree, shader, kind, inputs, ToLamp=wi, Irradiance=irradiance, **more)
+        for wi, irradiance in beams
     ]
     return tree.add_shaders([node.outputs[0] for node in scripts])
 
 
-def _radiance(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value, wi: Value, irradiance: Value) -> Value:
+def _radiance(
+    tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value, wi: Value, irradiance: Value,
+    carried: Callable[[Value, Value], Value] | None,
+) -> Value:  # fmt: skip
     wo = tree.geometry("Incoming")
     with tree.frame("Half vector and cosines"):
         both = wi + wo
@@ -55,11 +73,19 @@ def _radiance(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value, wi:
         nh, vh = dot(N, h), 0.5 * length(both)  # dot(wo, h) would lose a hundredfold in float32 at grazing angles
         no, ni = dot(N, wo), dot(N, wi)
         lit = less(0.0 * ni, ni) * less(0.0 * no, no)
-    with tree.frame("F D G / (4 n.v)"):
-        D = tree.group(ensure(beckmann_d.NAME, beckmann_d.REVISION, beckmann_d.build), h=h, N=N, Slope_m=inputs.m)
+    with tree.frame("D G / (4 n.v)"):
         G = tree.group(
             ensure(vgroove_g.NAME, vgroove_g.REVISION, vgroove_g.build), **{"n.h": nh, "n.v": no, "n.l": ni, "v.h": vh}
         )
+        f_cos = density(tree, h, N, inputs.m) * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7))
+    if carried is not None:
+        f_cos = f_cos - carried(wi, h)
+    with tree.frame("Times F"):
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
-        dg = Value(tree, D.outputs["D"]) * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7)) * lit
-    return irradiance * F * dg
+        return irradiance * F * (f_cos * lit)
+
+
+def density(tree: Tree, h: Value, N: Value, m: Value) -> Value:
+    """Beckmann's D through the nested group."""
+    node = tree.group(ensure(beckmann_d.NAME, beckmann_d.REVISION, beckmann_d.build), h=h, N=N, Slope_m=m)
+    return Value(tree, node.outputs["D"])

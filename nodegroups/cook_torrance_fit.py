@@ -13,11 +13,14 @@ from typing import TYPE_CHECKING
 from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import cook_torrance, ensure
 from . import cook_torrance_closure as closure
-from ._tree import Number, Tree, Value, cross, dot, length, maximum, minimum, normalize, scale, sqrt, vector
-from .cook_torrance_table import by_lobe, count, shared
+from ._tree import Number, Tree, Value, clamp, cross, dot, length, log, maximum, minimum, normalize, scale, sqrt, vector
+from .cook_torrance_table import bound_line, by_lobe, count, shared
+from .cook_torrance_table import share as of_share
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Fit"
@@ -36,17 +39,17 @@ def build_osl(tree: Tree, kind: str) -> None:
     tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")
 
 
-def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
-    """The mixture, one Metallic BSDF a lobe."""
+def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs, share: Number = 1.0) -> NodeSocket:
+    """``share`` of the mixture, one Metallic BSDF a lobe."""
     N = shading_normal(tree, inputs.normal)
     mixture = lobes(tree, inputs.m, N)
     root = sqrt(mixture.across)  # what Cycles' Metallic BSDF takes for the square root of a round lobe's slope
     shaders = []
     for lobe in mixture.lobes:
         with tree.frame("Lobe"):
-            roughness = root * sqrt(sqrt(1.0 - (1.0 - NARROWEST) * lobe.anisotropy))
+            roughness = root * sqrt(sqrt(aspect(lobe)))
             native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, lobe.anisotropy, mixture.tangent)
-            shaders.append(tree.weighted(native, lobe.weight))
+            shaders.append(tree.weighted(native, lobe.weight * share if isinstance(share, Value) else lobe.weight))
     return tree.add_shaders(shaders)
 
 
@@ -67,6 +70,15 @@ class Mixture:
     across: Value
     tangent: Value
 
+    def within(self, lobe: Lobe) -> Value:
+        """RMS slope of a lobe within the plane of view."""
+        return self.across * aspect(lobe)
+
+
+def aspect(lobe: Lobe) -> Value:
+    """Slope within the plane of view over that across, as Cycles' Metallic BSDF has it."""
+    return 1.0 - (1.0 - NARROWEST) * lobe.anisotropy
+
 
 def lobes(tree: Tree, m: Value, N: Value) -> Mixture:
     """The mixture through the nested group that holds the table."""
@@ -78,15 +90,11 @@ def lobes(tree: Tree, m: Value, N: Value) -> Mixture:
 
 
 def build_lobes(tree: Tree) -> None:
-    slope = tree.input_float("m", 0.3, low=1e-4, high=1.0, tip="RMS slope of the facets")
+    slope = tree.input_float("m", 0.3, low=1e-4, high=10.0, tip="RMS slope of the facets")
     N = tree.input_vector("N", (0, 0, 1), hide_value=True, tip="Unit normal")
     wo = tree.geometry("Incoming")
-    with tree.frame("x = m s / (c + m s): 0 head-on, 1 at grazing"):
-        m = minimum(slope, 1.0)
-        c = dot(N, wo)
-        aside = wo - scale(N, c)
-        ms = m * length(aside)
-        x = ms / maximum(maximum(c, 0.0) + ms, 1e-20)
+    m = minimum(slope, 1.0)
+    x, aside = grazing(tree, m, N)
     with tree.frame("The table's polynomials, one component a lobe"):
         y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
         weight, anisotropy, tilt = (
@@ -97,7 +105,7 @@ def build_lobes(tree: Tree) -> None:
     with tree.frame("Normals that lean away from the viewer"):
         lean = scale(aside, m * (1.0 - x))
         normals = [normalize(N - scale(lean, part)) for part in tilt.xyz]
-    tree.output_vector("Weight", maximum(weight, 0.0), tip="Of each lobe")
+    tree.output_vector("Weight", minimum(maximum(weight, 0.0), 1.0), tip="Of each lobe")
     tip = "How much narrower each lobe is within the plane of view: slope across times 1 - 0.9 of this"
     tree.output_vector("Anisotropy", minimum(maximum(scale(anisotropy, x), 0.0), 1.0), tip=tip)
     tree.output_float("Across", across, tip="RMS slope across the plane of view, of all lobes")
@@ -106,18 +114,42 @@ def build_lobes(tree: Tree) -> None:
     tree.output_vector("Tangent", cross(N, wo), tip="Across the plane of view")
 
 
+def grazing(tree: Tree, m: Value, N: Value) -> tuple[Value, Value]:
+    """x = m s / (c + m s), 0 head-on and 1 at grazing, and the view's part along the surface, of length s."""
+    wo = tree.geometry("Incoming")
+    with tree.frame("x = m s / (c + m s): 0 head-on, 1 at grazing"):
+        c = dot(N, wo)
+        aside = wo - scale(N, c)
+        ms = m * length(aside)
+        return ms / maximum(maximum(c, 0.0) + ms, 1e-20), aside
+
+
+def share(tree: Tree, slope: Value, N: Value, bound: Value) -> Value:
+    """c of ``hybrid_share``: how much of the mixture stays below the model but for ``bound`` of the albedo."""
+    m = minimum(slope, 1.0)
+    x, _ = grazing(tree, m, N)
+    with tree.frame("Share of the mixture, by the table"):
+        line, start = bound_line()
+        b, n, y = line * log(bound) + start, 2.0 * m - 1.0, 2.0 * x - 1.0
+        *rest, last = (_horner([_horner(powers, b) for powers in row], n) for row in of_share())
+        result = last
+        for coefficient in reversed(rest):
+            result = tree.math("MULTIPLY_ADD", result, y, coefficient)
+        return clamp(result)
+
+
 def _polynomial(tree: Tree, rows: list[list[Number]], y: Value, n: Value) -> Value:
     """Sum of c_jk y^j n^k by Horner's rule."""
-    *rest, last = (_of_m(row, n) for row in rows)
+    *rest, last = (_horner(row, n) for row in rows)
     result = last
     for coefficient in reversed(rest):
         result = tree.math("MULTIPLY_ADD", result, y, coefficient)
     return result
 
 
-def _of_m(row: list[Number], n: Value) -> Value:
+def _horner(coefficients: Sequence[Number], n: Value) -> Value:
     """Sum of c_k n^k."""
-    *rest, last = row
+    *rest, last = coefficients
     result = n * last
     for number in reversed(rest[1:]):
         result = (result + number) * n

@@ -7,6 +7,7 @@ Source: Heitz & d'Eon 2014, V-cavity model; ``visible_facet`` and ``CookTorrance
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from . import cook_torrance, fresnel
@@ -17,7 +18,11 @@ from .shading_normal import shading_normal
 from .visible_facet import visible_facet
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bpy.types import NodeSocket
+
+    from ._tree import Value
 
 NAME = "VGroove Cook-Torrance Mirror"
 REVISION = 1
@@ -39,8 +44,23 @@ def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 
-def facet(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
-    """A mirror about a random facet, weighted by what the facet's density leaves of the BRDF."""
+@dataclass(frozen=True)
+class Facet:
+    """A drawn facet: its normal, where its mirror sends the view, n.v and G."""
+
+    h: Value
+    wi: Value
+    no: Value
+    G: Value
+
+
+def facet(
+    tree: Tree, kind: str, inputs: cook_torrance.Inputs, rest: Callable[[Facet], Value] | None = None
+) -> NodeSocket:
+    """A mirror about a random facet, weighted by what the facet's density leaves of the BRDF.
+
+    ``rest``: of that, the share which no other closure carries.
+    """
     N = shading_normal(tree, inputs.normal)
     wo = tree.geometry("Incoming")
     h = visible_facet(tree, N, wo, inputs.m)
@@ -51,6 +71,9 @@ def facet(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
         G1 = minimum(2.0 * nh * no / vh, 1.0)
         G2 = minimum(2.0 * nh * ni / vh, G1)
         share = G2 / G1
+    if rest is not None:
+        share = share * rest(Facet(h, wi, no, G2))
+    with tree.frame("Times F"):
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
         weight = F * vector(share, share, share) if F.is_vector else F * share
     mirror = tree.node("ShaderNodeBsdfAnisotropic", weight, 0.0, distribution="BECKMANN")

@@ -16,17 +16,21 @@ import argparse
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq, linprog
 
+from vgroove.addon.reference import Dielectric, Schlick
 from vgroove.addon.reference import cook_torrance_fit as fit
 from vgroove.addon.reference.distributions import vgroove_g
 
 LOBES = 3
 RADII, TURNS = 48, 40  # of the grid of facets
-DEGREE_X, DEGREE_M = 6, 5
-ACROSS_X = 3  # degree in x of the slope across, which all lobes share
+DEGREE_X, DEGREE_M = 7, 6
+ACROSS_X = 4  # degree in x of the slope across, which all lobes share
 SLOPES = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 ANGLES = (0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 68, 70, 73, 75, 78, 80, 82, 84, 85.5, 87, 89)
 PRINTED = (0, 20, 40, 60, 75, 85)
+ROUNDS = 7  # of counting those cells for more
+NEAR = 1.12
 SMOOTHING = 3e-4  # of the peak: below this |r| is taken for r^2
 ALBEDO = 0.005  # share by which the mixture's albedo may differ before it costs
 
@@ -102,7 +106,7 @@ class Cell:
         gradient, matrix = J.T @ (r / size * weight), (J * (weight / size)[:, None]).T @ J
         error, slope = float(r @ weight), J.T @ weight
         gain = self.albedo * (1.0 + error) - 0.9997  # a furnace must not exceed 1
-        for excess, cost in ((error - ALBEDO, 3000.0), (-ALBEDO - error, 3000.0), (gain, 3e4)):
+        for excess, cost in ((error - ALBEDO, 3000.0), (-ALBEDO - error, 3000.0), (gain, 5e5)):
             if excess > 0:
                 sign = -1.0 if cost == 3000.0 and error < 0 else 1.0
                 loss += cost * excess**2
@@ -237,7 +241,8 @@ def _to_powers(degree: int) -> np.ndarray:
 def toml(numbers: dict[str, np.ndarray]) -> str:
     """The table as committed: nine digits, which is what float32 shaders can hold."""
     lines = [
-        "# Coefficients c[lobe][j][k] of (2x - 1)^j (2m - 1)^k, as addon/reference/cook_torrance_fit.py takes them.",
+        "# Coefficients c[lobe][j][k] of (2x - 1)^j (2m - 1)^k; of share, [j][k][l], l that of the bound's logarithm.",
+        "# addon/reference/cook_torrance_fit.py says what they are for.",
         "# Written by tools/fit_cook_torrance.py --write",
     ]
     for name, grid in numbers.items():
@@ -254,23 +259,78 @@ START = np.array([0.9, 0.05, 0.05, 0.1, 1.0, 1.5, 0.0, 0.3, 0.6, 1.0])
 TWO_STARTS = [np.array([0.9, 0.1, 0.1, 1.0, 0.0, 0.3, 1.0]), np.array([0.9, 0.1, 0.1, 1.5, 0.0, 0.6, 1.0])]
 
 
+def best_two(cell: Cell) -> np.ndarray:
+    """The best mixture of two lobes for one cell alone; head-on round and upright, as every table must be there."""
+    starts = [*TWO_STARTS, *random_starts(np.random.default_rng(0), 4, 2)]
+    if cell.angle == 0:
+        starts = [start * [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0] for start in starts]
+    return optimum(cell, starts)
+
+
 def search() -> np.ndarray:
-    """Coefficients of all cells together: a coarse table first, then one of full degree that starts from it."""
+    """Coefficients of all cells together: a coarse table first, then one of full degree that starts from it.
+
+    Then, round by round, cells count for more that are farther than ``NEAR`` from the best two lobes of their own.
+    """
     cells = [Cell(m, degrees) for m in SLOPES for degrees in ANGLES]
-    # A cell counts by its own optimum; beyond 85.5 degrees little, where the model's own shape is extreme.
-    floor = np.array([cell.distance(optimum(cell, TWO_STARTS[:1]))[0] for cell in cells])
-    importance = np.where([cell.angle > np.radians(86.0) for cell in cells], 0.1, 1.0) / (floor + 0.003)
+    floor = np.array([cell.distance(best_two(cell))[0] for cell in cells])
+    # Beyond 85.5 degrees the model's own shape is extreme; a cell there counts for little.
+    within = np.array([cell.angle < np.radians(86.0) for cell in cells])
+    importance = np.where(within, 1.0, 0.1) / (floor + 0.003)
     powers_x = np.repeat(np.arange(DEGREE_X + 1), DEGREE_M + 1)
     powers_m = np.tile(np.arange(DEGREE_M + 1), DEGREE_X + 1)
     coefficients = np.zeros((START.size, powers_x.size))
     coefficients[:, 0] = START
     most_x = np.full((START.size, 1), DEGREE_X)
     most_x[-1] = ACROSS_X
-    for degree_x, degree_m, steps in ((3, 1, 30), (DEGREE_X, DEGREE_M, 150)):
+    best = np.inf, coefficients
+    for degree_x, degree_m, steps in ((3, 1, 30), (DEGREE_X, DEGREE_M, 80), *[(DEGREE_X, DEGREE_M, 25)] * ROUNDS):
         free = (powers_x <= np.minimum(most_x, degree_x)) & (powers_m <= degree_m)
         loss, coefficients = Table(cells, importance, free).descend(coefficients, steps)
-        print(f"degrees {degree_x}, {degree_m}: loss {loss:.4f}", flush=True)
-    return coefficients
+        held = [np.clip(coefficients @ cell.basis, *cell.limits((len(START) - 1) // 3)) for cell in cells]
+        distance = np.array([cell.distance(functions)[0] for cell, functions in zip(cells, held, strict=True)])
+        beyond = float(np.max((distance - 1.15 * floor)[within]))
+        print(f"degrees {degree_x}, {degree_m}: loss {loss:.4f}, beyond 1.15 of the best two lobes by {beyond:.5f}")
+        if beyond < best[0]:
+            best = beyond, coefficients
+        if degree_x == DEGREE_X:
+            over = np.clip(distance / (NEAR * floor + 0.0004), 0.6, 2.0) ** 2
+            importance = np.minimum(importance * np.where(within, over, 1.0), 30.0 / (floor + 0.001))
+    return best[1]
+
+
+SHARE_DEGREES = 6, 5, 2  # in x, m and the logarithm of the bound
+SHARE_BOUNDS = np.geomspace(*fit.BOUNDS, 9)
+SHARE_FRESNELS = (Schlick(1.0), Schlick(0.02), Dielectric(1.33))
+
+
+def largest_share(cell: Cell, bound: float) -> float:
+    """The largest c <= 1 for which the integral of F (c mixture - f cos)+ is at most ``bound`` of that of F f cos."""
+    mixture = np.sum(fit.weighted_lobes(cell.wi, cell.wo, fit.lobes(cell.wo, cell.m)), axis=-1)
+    vh = 0.5 * np.linalg.norm(cell.wi + cell.wo, axis=-1)
+    weights = [fresnel(vh)[..., 0] * cell.solid_angle for fresnel in SHARE_FRESNELS]
+
+    def excess(c: float) -> float:
+        too_much = np.maximum(c * mixture - cell.f_cos, 0.0)
+        return max(float(too_much @ weight / (cell.f_cos @ weight)) for weight in weights) - bound
+
+    return 1.0 if excess(1.0) <= 0 else float(brentq(excess, 0.0, 1.0))
+
+
+def shares(cells: list[Cell]) -> np.ndarray:
+    """Coefficients [j][k][l] of ``hybrid_share``: the highest polynomial that lies below all largest shares."""
+    rows, limits = [], []
+    for cell in cells:
+        for bound in SHARE_BOUNDS:
+            coordinates = cell.x, cell.m, 0.5 + 0.5 * fit.bound_coordinate(bound)
+            x, m, b = (_chebyshev(v, degree) for v, degree in zip(coordinates, SHARE_DEGREES, strict=True))
+            rows.append(np.einsum("j,k,l->jkl", x, m, b).ravel())
+            limits.append(largest_share(cell, bound))
+    basis, limit = np.array(rows), np.array(limits)
+    solved = linprog(-basis.sum(axis=0), A_ub=basis, b_ub=limit - 0.005, bounds=(None, None), method="highs")
+    print(f"share: {solved.message} mean {np.mean(limit):.3f}, of the polynomial {np.mean(basis @ solved.x):.3f}")
+    grid = solved.x.reshape([degree + 1 for degree in SHARE_DEGREES])
+    return np.einsum("abc,aj,bk,cl->jkl", grid, *(_to_powers(degree) for degree in SHARE_DEGREES))
 
 
 def print_table() -> None:
@@ -282,10 +342,7 @@ def print_table() -> None:
         for degrees in PRINTED:
             cell = Cell(m, degrees)
             plain = cell.distance(np.array([1.0, 0.0, 0.0, 1.0]))[0]
-            starts = [*TWO_STARTS, *random_starts(np.random.default_rng(0), 8, 2)]
-            if degrees == 0:  # round and upright head-on, as every table must be to be continuous
-                starts = [start * [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0] for start in starts]
-            best = cell.distance(optimum(cell, starts))[0]
+            best = cell.distance(best_two(cell))[0]
             of = fit.lobes(cell.wo, m)
             r = np.sum(fit.weighted_lobes(cell.wi, cell.wo, of), axis=-1) - cell.f_cos
             table, error = (float(part @ cell.solid_angle / cell.albedo) for part in (np.abs(r), r))
@@ -293,12 +350,19 @@ def print_table() -> None:
         print(f"{m:5.2f}", *(f"{text:>28}" for text in line), flush=True)
 
 
+def write(numbers: dict[str, np.ndarray]) -> None:
+    fit.TABLE.write_text(toml(numbers), encoding="utf-8")
+    fit.table.cache_clear()
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true", help="find the table anew and write it")
     if parser.parse_args().write:
-        fit.TABLE.write_text(toml(monomials(search())), encoding="utf-8")
-        fit.table.cache_clear()
+        numbers = monomials(search())
+        write(numbers)
+        cells = [Cell(m, degrees) for m in SLOPES for degrees in ANGLES]
+        write(numbers | {"share": shares(cells)})  # of the mixture as written
     print_table()
 
 

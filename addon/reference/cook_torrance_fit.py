@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cook-Torrance as a fixed mixture of the lobes that Cycles itself has: what estimator ``fit`` renders.
 
+``hybrid`` takes a share of that mixture and adds what is missing.
+
 Each lobe is a Beckmann microfacet lobe with Smith's G, slopes of its own across and in the plane of view, and a
 normal tilted within that plane. Weights, slopes and tilts are polynomials in (2x - 1, 2m - 1), centred because
 float32 shaders would lose three digits in powers of x itself; ``tools/fit_cook_torrance.py``
@@ -20,7 +22,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .directions import above, as_directions, as_pair, as_positive, dot, facet_cosine, half_vector
+from .cook_torrance import cook_torrance
+from .directions import above, as_directions, as_pair, as_positive, as_range, dot, facet_cosine, half_vector
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from .directions import Floats
     from .fresnel import Fresnel
 
+BOUNDS = (0.001, 0.05)  # of the part of hybrid that may be wrong, as a share of the directional albedo
 TABLE = Path(__file__).with_suffix(".toml")
 FUNCTIONS = ("weight", "anisotropy", "tilt", "across")
 NARROWEST = 0.1  # within over across: what Cycles' Metallic BSDF offers
@@ -65,23 +69,28 @@ def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = 
     """The mixture for views ``wo`` and slopes ``m``, which are held to Cycles' limit of 1.
 
     With x = m s / (c + m s), c = n.v, s = sin: 0 head-on, 1 at grazing, and alike for all m where m is small:
-    weight = max(w, 0);  across = min(1, m a), the same for all;  within = across (1 - 0.9 min(max(x r, 0), 1));
+    weight = min(max(w, 0), 1);  across = min(1, m a), the same for all;  within = across (1 - 0.9 min(max(x r, 0), 1));
     tilt = m (1 - x) s t. Head-on every lobe is round and upright, as it must be to stay continuous there.
 
     wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
-    c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
-    x, m = np.broadcast_arrays(m * s / np.maximum(c + m * s, 1e-300), m)
+    s, x, m = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), grazing(wo, m), m)
     values = (polynomial((coefficients or table())[name], x, m) for name in FUNCTIONS)
     return shaped(m[..., None], x[..., None], s[..., None], *values)
+
+
+def grazing(wo: Floats, m: ArrayLike) -> Floats:
+    """x = m s / (c + m s), (...): 0 head-on, 1 at grazing."""
+    c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
+    return m * s / np.maximum(c + m * s, 1e-300)
 
 
 def shaped(m: Floats, x: Floats, s: Floats, weight: Floats, anisotropy: Floats, tilt: Floats, across: Floats) -> Lobes:
     """Lobes from the values of the polynomials, as ``lobes`` says."""
     across = np.minimum(m * across, 1.0) * np.ones_like(weight)
     within = across * (1.0 - (1.0 - NARROWEST) * np.clip(x * anisotropy, 0.0, 1.0))
-    return Lobes(np.maximum(weight, 0.0), across, within, m * (1.0 - x) * s * tilt)
+    return Lobes(np.clip(weight, 0.0, 1.0), across, within, m * (1.0 - x) * s * tilt)
 
 
 def mixture(wi: ArrayLike, wo: ArrayLike, m: ArrayLike) -> Floats:
@@ -143,3 +152,40 @@ def cook_torrance_fit(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresn
     lit = above(wi, wo)
     F = fresnel(np.where(lit, facet_cosine(wi, wo, half_vector(wi, wo)), 1.0))
     return F * np.where(lit, mixture(wi, wo, m) / np.where(lit, wi[..., 2], 1.0), 0.0)[..., None]
+
+
+def hybrid_share(wo: ArrayLike, m: ArrayLike, bound: ArrayLike) -> Floats:
+    """c, the share of the mixture that ``hybrid`` leaves to Cycles' own lobes, (...), from 0 to 1.
+
+    The largest c for which what c times the mixture has too much of, the integral of F (c mixture - f cos)+ over wi,
+    is at most ``bound`` times that of F f cos: for Schlick's F with F0 from 0.02 to 1 and for water's. A polynomial in
+    (2x - 1), (2m - 1) and the logarithm of the bound that lies below all of these (tools/fit_cook_torrance.py).
+
+    wo: unit vectors (..., 3); m: RMS slope > 0; bound: 0.001 to 0.05. Raises ValueError outside these ranges.
+    """
+    wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
+    bound = as_range(bound, "bound", *BOUNDS)
+    x, m = np.broadcast_arrays(grazing(wo, m), m)
+    of_x, of_m = (
+        (2.0 * v - 1.0)[..., None] ** np.arange(n) for v, n in zip((x, m), table()["share"].shape, strict=False)
+    )
+    of_bound = bound_coordinate(bound)[..., None] ** np.arange(table()["share"].shape[-1])
+    c = np.einsum("...j,...k,...l,jkl->...", of_x, of_m, of_bound, table()["share"])
+    return np.clip(c, 0.0, 1.0)
+
+
+def bound_coordinate(bound: Floats) -> Floats:
+    """-1 at the lowest bound, 1 at the highest, linear in the logarithm."""
+    low, high = np.log(BOUNDS)
+    return (2.0 * np.log(np.asarray(bound)) - low - high) / (high - low)
+
+
+def cook_torrance_hybrid(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, bound: ArrayLike) -> Floats:
+    """The BRDF that ``hybrid`` renders, max(f, c f_fit) with c = ``hybrid_share``, in 1/sr, RGB (..., 3).
+
+    Arguments, zeros and errors as ``cook_torrance_fit``.
+    """
+    wi, wo = as_pair(wi, wo)
+    c = hybrid_share(wo, m, bound)[..., None]
+    true = cook_torrance(wi, wo, np.minimum(m, 1.0), fresnel)
+    return np.maximum(true, c * cook_torrance_fit(wi, wo, m, fresnel))

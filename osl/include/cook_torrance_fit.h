@@ -7,18 +7,58 @@ struct Lobe {
 };
 
 // x = m s / (c + m s): 0 head-on, 1 at grazing
+float fit_x(normal n, vector wo, float m)
+{
+    float c = dot(n, wo), ms = m * length(wo - c * n);
+    return ms / max(max(c, 0) + ms, 1e-20);
+}
+
 void fit_lobes(normal n, vector wo, float slope, output Lobe lobes[FIT_LOBES])
 {
-    float m = min(slope, 1), c = dot(n, wo);
-    vector aside = wo - c * n;
-    float ms = m * length(aside), x = ms / max(max(c, 0) + ms, 1e-20);
+    float m = min(slope, 1), x = fit_x(n, wo, m);
+    vector aside = wo - dot(n, wo) * n;
     vector weight = fit_weight(x, m), anisotropy = x * fit_anisotropy(x, m), tilt = fit_tilt(x, m);
     float across = min(m * fit_across(x, m), 1);
     vector lean = m * (1 - x) * aside;
     for (int k = 0; k < FIT_LOBES; ++k) {
-        lobes[k].weight = max(weight[k], 0);
+        lobes[k].weight = clamp(weight[k], 0, 1);
         lobes[k].across = across;
         lobes[k].within = across * (1 - 0.9 * clamp(anisotropy[k], 0, 1));
         lobes[k].n = normalize(n - tilt[k] * lean);
     }
+}
+
+// Smith's Lambda of a Beckmann lobe; a = 1 / (slope tan)
+float smith_lambda(vector w, float ax, float ay)
+{
+    float slope = hypot(w[0] * ax, w[1] * ay) / w[2], a = 1 / max(slope, 0.625);
+    return slope > 0.625 ? (1 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a) : 0;
+}
+
+// D G / (4 v.n) of an anisotropic lobe. Heitz 2014, eqs. 85 to 99
+float smith_lobe(vector wi, vector wo, vector h, vector T, Lobe lobe)
+{
+    vector n = lobe.n, B = cross(n, T);
+    vector i = vector(dot(wi, T), dot(wi, B), dot(wi, n));
+    vector o = vector(dot(wo, T), dot(wo, B), dot(wo, n));
+    vector f = vector(dot(h, T), dot(h, B), dot(h, n));
+    float ax = lobe.across, ay = lobe.within;
+    if (i[2] <= 0 || o[2] <= 0 || f[2] < 1e-4) return 0;
+    float x = f[0] / (f[2] * ax), y = f[1] / (f[2] * ay), nh2 = f[2] * f[2];
+    float D = exp(-x * x - y * y) / (M_PI * ax * ay * nh2 * nh2);
+    return D / ((1 + smith_lambda(i, ax, ay) + smith_lambda(o, ax, ay)) * 4 * o[2]);
+}
+
+// f cos of the mixture with F = 1
+float fit_mixture(vector wi, vector wo, vector h, normal n, Lobe lobes[FIT_LOBES])
+{
+    vector T = cross(n, wo), B;
+    if (dot(T, T) > 1e-12)
+        T = normalize(T);
+    else
+        tangents(n, T, B);  // head-on lobes are round
+    float sum = 0;
+    for (int k = 0; k < FIT_LOBES; ++k)
+        sum += lobes[k].weight * smith_lobe(wi, wo, h, T, lobes[k]);
+    return sum;
 }

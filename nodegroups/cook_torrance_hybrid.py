@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Estimator ``hybrid``: a share c of ``fit``, and the rest of the V-groove model, where it is positive, by ``mirror``.
+
+c is chosen so that c times the mixture exceeds the model by no more than Bound of the directional albedo: beyond that
+nothing is biased, and only the rest is noisy. Lamps of zero size get their rest as emission, signed and exact.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..addon.reference.cook_torrance_fit import BOUNDS
+from . import cook_torrance
+from . import cook_torrance_direct as direct
+from . import cook_torrance_fit as fit
+from . import cook_torrance_mirror as mirror
+from ._tree import maximum
+from .fit_mixture import fit_mixture
+from .lamp_beams import beam_interfaces
+from .shading_normal import shading_normal
+
+if TYPE_CHECKING:
+    from ._tree import Tree, Value
+
+NAME = "VGroove Cook-Torrance Hybrid"
+REVISION = 1
+DEFAULT_BOUND = 0.005
+
+
+def _bound(tree: Tree) -> Value:
+    tip = "How much of the reflected light may be wrong; less is noisier"
+    return tree.input_float("Bound", DEFAULT_BOUND, low=BOUNDS[0], high=BOUNDS[1], subtype="FACTOR", tip=tip)
+
+
+def build(tree: Tree, kind: str, lamps: int = 0) -> None:
+    inputs = cook_torrance.interface(tree, kind, m_high=1.0)  # Cycles clamps alpha to 1
+    bound = _bound(tree)
+    beams = beam_interfaces(tree, lamps)
+    N = shading_normal(tree, inputs.normal)
+    c = fit.share(tree, inputs.m, N, bound)
+
+    def carried(wi: Value, h: Value) -> Value:
+        return c * fit_mixture(tree, wi, h, N, inputs.m)
+
+    def rest(facet: mirror.Facet) -> Value:
+        with tree.frame("What c times the mixture leaves of D G / (4 n.v)"):
+            f_cos = direct.density(tree, facet.h, N, inputs.m) * facet.G / (4.0 * facet.no)
+            return maximum(1.0 - carried(facet.wi, facet.h) / f_cos, 0.0)
+
+    shaders = [fit.shader(tree, kind, inputs, c), mirror.facet(tree, kind, inputs, rest)]
+    shaders += [direct.emission(tree, kind, inputs, beams, carried)] if beams else []
+    tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
+
+
+def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
+    inputs = cook_torrance.interface(tree, kind, m_high=1.0)
+    bound = _bound(tree)
+    beams = beam_interfaces(tree, lamps)
+    shaders = [cook_torrance.script(tree, "hybrid", kind, inputs, bound=bound).outputs[0]]
+    shaders += [direct.emission_osl(tree, kind, inputs, beams, "correction", bound=bound)] if beams else []
+    tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
