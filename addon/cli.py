@@ -38,6 +38,8 @@ class Estimator(StrEnum):
     AUTO = "auto"
     FIT = "fit"
     CLOSURE = "closure"
+    CORRECTED = "corrected"
+    HYBRID = "hybrid"
     MIRROR = "mirror"
     DIRECT = "direct"
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Literal
 import bpy
 import numpy as np
 
+from ..nodegroups.cook_torrance_hybrid import DEFAULT_BOUND
 from ..nodegroups.osl_script import text_block
 from .material import Choice, binds, build
 
@@ -93,14 +94,17 @@ def measure(
 
 def measure_preset(
     preset: Preset, backend: str, estimator: str, geometry: Geometry, *,
-    samples: int = 1, seed: int = 0, shading_osl: bool = True,
+    samples: int = 1, seed: int = 0, shading_osl: bool = True, bound: float = DEFAULT_BOUND,
 ) -> NDArray[np.float32]:  # fmt: skip
-    """As ``measure``, of the material that ``preset`` makes; bound to the instrument's sun if ``binds`` says so."""
+    """As ``measure``, of the material that ``preset`` makes; bound to the instrument's sun if ``binds`` says so.
+
+    bound: of ``hybrid``, see ``Choice``.
+    """
 
     def make(lamps: tuple[Object, ...]) -> Material:
         # No shadows: tracing under an OSL camera crashes Blender 5.2.3, and nothing stands in the light.
-        bound = lamps if binds(estimator, geometry.sun_angle) else ()
-        return build(preset, Choice(backend, estimator, bound, shadows=False))
+        suns = lamps if binds(estimator, geometry.sun_angle) else ()
+        return build(preset, Choice(backend, estimator, suns, shadows=False, bound=bound))
 
     return _measure(make, geometry, samples, seed, shading_osl)
 

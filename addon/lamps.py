@@ -24,7 +24,7 @@ STREAM = 10  # random numbers of the first bound lamp; mirror's facet has the fi
 
 
 def refusal(lamp: Object) -> str | None:
-    """Why ``direct`` cannot follow this lamp, and how to mend it; None if it can."""
+    """Why the formula cannot follow this lamp, and how to mend it; None if it can."""
     return next(
         (f'{"spot" if lamp.data.type == "SPOT" else "lamp"} "{lamp.name}" {why}' for why in _refusals(lamp)), None
     )
@@ -35,21 +35,21 @@ def _refusals(lamp: Object) -> Iterator[str]:
     # 5.x warns when use_nodes is read and always uses the tree; 4.5 may have one that is switched off.
     uses_nodes = light.node_tree is not None and (bpy.app.version >= (5, 0, 0) or light.use_nodes)
     if uses_nodes and _has_own_nodes(light.node_tree):
-        yield 'has a node tree, which "direct" cannot follow; switch its Use Nodes off'
+        yield "has a node tree, which the formula cannot follow; switch its Use Nodes off"
     if lamp.light_linking.receiver_collection:
-        yield 'has light linking, which "direct" cannot follow; clear it, or use "closure"'
+        yield 'has light linking, which the formula cannot follow; clear it, or use "closure"'
     if light.type == "SPOT":
         scale = lamp.matrix_world.to_scale()
         if max(scale) - min(scale) > 1e-4 * max(scale):
-            yield 'is scaled unevenly, which "direct" cannot follow; apply its scale'
+            yield "is scaled unevenly, which the formula cannot follow; apply its scale"
     if light.type == "AREA":
         if light.cycles.is_portal:
             yield "is a portal, which gives no light of its own; switch Portal off"
         if light.spread < SMALLEST_SPREAD:
-            yield 'has a spread under 1 degree, which "direct" cannot follow; widen it, or use a sun'
+            yield "has a spread under 1 degree, which the formula cannot follow; widen it, or use a sun"
         x, y, z = (column.normalized() for column in lamp.matrix_world.to_3x3().col)
         if max(abs(x.dot(y)), abs(y.dot(z)), abs(z.dot(x))) > 1e-4:
-            yield 'is sheared, which "direct" cannot follow; scale its parent evenly'
+            yield "is sheared, which the formula cannot follow; scale its parent evenly"
 
 
 def kind(lamp: Object) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from ..nodegroups import lamp
 from . import lamps
 from .files import replacing
-from .material import NATIVE, binds
+from .material import EVERY_LAMP, NATIVE, binds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -43,11 +43,13 @@ class Problem:
 def problems(scene: Scene, backend: str, estimator: str, m: float = 0.0) -> list[Problem]:
     """What is wrong with ``scene`` for this choice, the gravest first."""
     found = list(_engine_problems(scene, backend))
-    if estimator == "mirror":
-        found += _mirror_problems(scene)
+    if estimator in {"mirror", "hybrid"}:
+        found += _mirror_problems(scene, estimator)
     if estimator == "direct":
-        found += _direct_problems(scene, backend)
-    if estimator in NATIVE and m > 1.0:
+        found += _direct_problems(scene)
+    if estimator in EVERY_LAMP:
+        found += _bound_problems(scene, backend, estimator)
+    if estimator in {*NATIVE, "hybrid"} and m > 1.0:
         found.append(
             Problem("slope", f"{estimator.title()} ends at m = 1, to which Cycles clamps; m is {m:g}. Choose Mirror")
         )
@@ -65,59 +67,65 @@ def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
         yield Problem("osl", text, "Switch OSL On", lambda: _set(cycles, shading_system=True))
 
 
-def _mirror_problems(scene: Scene) -> Iterator[Problem]:
-    cycles, world = scene.cycles, scene.world
-    bound = lamps_to_bind(scene, "mirror")
+def _mirror_problems(scene: Scene, estimator: str = "mirror") -> Iterator[Problem]:
+    cycles, world, name = scene.cycles, scene.world, estimator.title()
+    part = "" if estimator == "mirror" else " but Fit's share"
+    bound = lamps_to_bind(scene, estimator)
     sought = [item for item in lamps.of_scene(scene) if item not in bound]
     pointlike = [item for item in sought if lamps.size(item) == 0.0]
     if pointlike:
-        text = f"Mirror cannot see lamps of zero size that are not bound: {_names(pointlike)}"
+        text = f"{name} cannot see{part or ' anything'} of lamps of zero size that are not bound: {_names(pointlike)}"
         yield Problem("size", text, "Give Lamps a Size", lambda: _give_size(pointlike))
     unseen = [item for item in sought if not item.data.cycles.use_multiple_importance_sampling]
     if unseen:
-        text = f"Mirror sees nothing of lamps with Multiple Importance off: {_names(unseen)}"
+        text = f"{name} sees nothing{part} of lamps with Multiple Importance off: {_names(unseen)}"
         yield Problem("mis", text, "Switch Multiple Importance On", lambda: _use_mis(unseen))
     if world is not None and world.cycles.sampling_method == "NONE":
-        text = "Mirror sees nothing of a world with Multiple Importance off"
+        text = f"{name} sees nothing{part} of a world with Multiple Importance off"
         yield Problem("world", text, "Sample the World", lambda: _set(world.cycles, sampling_method="AUTOMATIC"))
     small = [item for item in sought if lamps.size(item) > 0.0 and is_small(item)]
     if small:
-        text = f"Mirror seldom hits small lamps and is noisy: {_names(small)}. Of size 0 they are bound when you apply"
+        text = f"{name} seldom hits small lamps and is noisy: {_names(small)}. Of size 0 they are bound when you apply"
         yield Problem("small", text, "Set Their Size to 0", lambda: _set_size(small, 0.0))
     if cycles.use_adaptive_sampling:
-        text = "Noise Threshold stops pixels that have not yet found a light, which darkens Mirror"
+        text = f"Noise Threshold stops pixels that have not yet found a light, which darkens {name}"
         yield Problem("adaptive", text, "Switch Noise Threshold Off", lambda: _set(cycles, use_adaptive_sampling=False))
     if cycles.blur_glossy > 0:
-        text = "Filter Glossy is on and blurs Mirror's facets"
+        text = f"Filter Glossy is on and blurs {name}'s facets"
         yield Problem("filter", text, "Set Filter Glossy to 0", lambda: _set(cycles, blur_glossy=0.0))
     if cycles.sample_clamp_indirect > 0:
-        text = "Clamp Indirect is on and darkens Mirror"
+        text = f"Clamp Indirect is on and darkens {name}"
         yield Problem("clamp", text, "Set Clamp Indirect to 0", lambda: _set(cycles, sample_clamp_indirect=0.0))
     if not cycles.caustics_reflective:
-        text = "Reflective Caustics are off: light by way of Mirror is lost"
+        text = f"Reflective Caustics are off: light by way of {name} is lost"
         yield Problem("caustics", text, "Switch Caustics On", lambda: _set(cycles, caustics_reflective=True))
 
 
-def _direct_problems(scene: Scene, backend: str) -> Iterator[Problem]:
-    shown = lamps.of_scene(scene)
-    followed = [item for item in shown if lamps.refusal(item) is None]
-    if not followed:
-        text = "Direct shows bound lamps alone, and this scene has none that it can follow"
-        yield Problem("lamps", text)
+def _direct_problems(scene: Scene) -> Iterator[Problem]:
+    if not any(lamps.refusal(item) is None for item in lamps.of_scene(scene)):
+        yield Problem("lamps", "Direct shows bound lamps alone, and this scene has none that it can follow")
     else:
         yield Problem("alone", "Direct shows bound lamps alone: no world, no reflections of other objects")
+
+
+def _bound_problems(scene: Scene, backend: str, estimator: str) -> Iterator[Problem]:
+    name, rest = estimator.title(), "left out" if estimator == "direct" else "as Fit has them"
+    shown = lamps.of_scene(scene)
+    followed = [item for item in shown if lamps.refusal(item) is None]
+    if not followed and estimator == "corrected":
+        yield Problem("lamps", "Corrected has no lamp to correct here and is the same as Fit")
     for item in shown:
         if refused := lamps.refusal(item):
             yield Problem("refused", refused[0].upper() + refused[1:])
     if len(followed) > lamps.LIMIT:
-        text = f"Direct binds the {lamps.LIMIT} strongest lamps; left out: {_names(followed[lamps.LIMIT :])}"
+        text = f"{name} binds the {lamps.LIMIT} strongest lamps; {rest}: {_names(followed[lamps.LIMIT :])}"
         yield Problem("limit", text)
     sized = [item for item in followed if lamps.size(item) > 0]
     if sized:
-        text = f"Direct draws a random point on lamps with a size, which brings noise: {_names(sized)}"
+        text = f"{name} draws a random point on lamps with a size, which brings noise: {_names(sized)}"
         yield Problem("sized", text)
-    if backend == "nodes" and not lamp.can_cast_shadows():
-        text = "Direct casts no shadows with nodes in this Blender, which has no Raycast node; choose OSL"
+    if followed and backend == "nodes" and not lamp.can_cast_shadows():
+        text = f"{name} casts no shadows with nodes in this Blender, which has no Raycast node; choose OSL"
         yield Problem("shadows", text)
 
 

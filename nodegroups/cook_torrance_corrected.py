@@ -27,8 +27,9 @@ def build(tree: Tree, kind: str, lamps: int) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=10.0)
     beams = beam_interfaces(tree, lamps)
     N = shading_normal(tree, inputs.normal)
-    lacking = direct.emission(tree, kind, inputs, beams, lambda wi, h: fit_mixture(tree, wi, h, N, inputs.m))
-    shaders = [fit.shader(tree, kind, inputs), lacking]
+    shaders = [fit.shader(tree, kind, inputs)]
+    if beams:
+        shaders.append(direct.emission(tree, kind, inputs, beams, lambda wi, h: fit_mixture(tree, wi, h, N, inputs.m)))
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 

@@ -35,7 +35,9 @@ def test_a_material_is_one_group_and_an_output(blender, choice, fresnel):
     assert sorted(node.bl_idname for node in made.node_tree.nodes) == ["ShaderNodeGroup", "ShaderNodeOutputMaterial"]
     node = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
     names = [socket.name for socket in node.inputs]
-    assert names == [*(material.SOCKETS[key] for key in presets.FRESNEL_KEYS[fresnel]), "Slope m", "Normal"]
+    bound = ["Bound"] * (choice.estimator == "hybrid")
+    expected = [*(material.SOCKETS[key] for key in presets.FRESNEL_KEYS[fresnel]), "Slope m", "Normal", *bound]
+    assert names == expected
     for key, value in preset.parameters.items():
         socket = node.inputs[material.SOCKETS[key]]
         got = tuple(socket.default_value)[:3] if isinstance(value, tuple) else socket.default_value
@@ -48,12 +50,13 @@ def test_what_an_estimator_does_not_need_is_left_out(blender):
     for choice in CHOICES:
         made = build(preset, choice)
         inside = kinds_inside(made.node_tree)
-        assert ("ShaderNodeTexWhiteNoise" in inside) == (choice.backend == "nodes" and choice.estimator == "mirror")
+        random = choice.estimator in {"mirror", "hybrid"}
+        assert ("ShaderNodeTexWhiteNoise" in inside) == (choice.backend == "nodes" and random)
         assert ("ShaderNodeEmission" in inside) == (choice.estimator == "direct")
         assert ("ShaderNodeScript" in inside) == (choice.backend == "osl" and choice.estimator != "direct")
         assert "ShaderNodeRaycast" not in inside
         assert made.node_tree.animation_data is None
-        assert made.cycles.use_bump_map_correction == (choice.estimator not in {"mirror", "fit"})
+        assert made.cycles.use_bump_map_correction == (choice.estimator not in material.TILTED)
 
 
 def test_building_twice_gives_one_material(blender):
@@ -98,7 +101,9 @@ def test_unknown_choices_are_one_line(blender):
     """Backend and estimator are checked where they enter."""
     with pytest.raises(MaterialError, match='unknown backend "cuda"; use one of nodes, osl'):
         Choice(backend="cuda")
-    with pytest.raises(MaterialError, match='unknown estimator "exact"; use one of fit, closure, mirror, direct'):
+    with pytest.raises(
+        MaterialError, match='unknown estimator "exact"; use one of fit, closure, corrected, hybrid, mirror, direct'
+    ):
         Choice(estimator="exact")
 
 

@@ -38,12 +38,13 @@ ALBEDO = 0.005  # share by which the mixture's albedo may differ before it costs
 class Cell:
     """One slope and view: the reference on a grid of facets, and the mixture's distance from it."""
 
-    def __init__(self, m: float, degrees: float) -> None:
+    def __init__(self, m: float, degrees: float, finer: int = 1) -> None:
         self.m, self.angle = m, np.radians(degrees)
         self.wo = np.array([np.sin(self.angle), 0.0, np.cos(self.angle)])
-        radius, weight = np.polynomial.legendre.leggauss(RADII)
+        turns = TURNS * finer
+        radius, weight = np.polynomial.legendre.leggauss(RADII * finer)
         radius, weight = 1.6 * (radius + 1.0), 1.6 * weight  # slopes to 3.2 m hold all but 4e-5 of the facets
-        phi = (np.arange(TURNS) + 0.5) * np.pi / TURNS
+        phi = (np.arange(turns) + 0.5) * np.pi / turns
         p, q = m * radius[:, None] * np.cos(phi), m * radius[:, None] * np.sin(phi)
         nh = 1.0 / np.sqrt(1.0 + p * p + q * q)
         h = np.stack([p * nh, q * nh, nh], axis=-1)
@@ -56,7 +57,7 @@ class Cell:
         D = np.exp(-(p * p + q * q)[lit] / m**2) / (np.pi * m**2 * nh**4)
         self.f_cos = D * vgroove_g(self.wi, self.wo) / (4.0 * self.wo[2])
         # dwi = 4 (v.h) dh, dh = (n.h)^3 dp dq; twice for the mirrored half
-        area = (2.0 * np.pi / TURNS * m * m * radius * weight)[:, None] * np.ones(TURNS)
+        area = (2.0 * np.pi / turns * m * m * radius * weight)[:, None] * np.ones(turns)
         self.solid_angle = 4.0 * vh * nh**3 * area[lit]
         self.albedo = float(self.f_cos @ self.solid_angle)
         s, c = np.sin(self.angle), np.cos(self.angle)
@@ -106,7 +107,7 @@ class Cell:
         gradient, matrix = J.T @ (r / size * weight), (J * (weight / size)[:, None]).T @ J
         error, slope = float(r @ weight), J.T @ weight
         gain = self.albedo * (1.0 + error) - 0.9997  # a furnace must not exceed 1
-        for excess, cost in ((error - ALBEDO, 3000.0), (-ALBEDO - error, 3000.0), (gain, 5e5)):
+        for excess, cost in ((error - ALBEDO, 3000.0), (-ALBEDO - error, 3000.0), (gain, 3e4)):
             if excess > 0:
                 sign = -1.0 if cost == 3000.0 and error < 0 else 1.0
                 loss += cost * excess**2
@@ -259,6 +260,11 @@ START = np.array([0.9, 0.05, 0.05, 0.1, 1.0, 1.5, 0.0, 0.3, 0.6, 1.0])
 TWO_STARTS = [np.array([0.9, 0.1, 0.1, 1.0, 0.0, 0.3, 1.0]), np.array([0.9, 0.1, 0.1, 1.5, 0.0, 0.6, 1.0])]
 
 
+def albedo(cell: Cell) -> float:
+    """Directional albedo of the mixture as written."""
+    return float(np.sum(fit.weighted_lobes(cell.wi, cell.wo, fit.lobes(cell.wo, cell.m)), axis=-1) @ cell.solid_angle)
+
+
 def best_two(cell: Cell) -> np.ndarray:
     """The best mixture of two lobes for one cell alone; head-on round and upright, as every table must be there."""
     starts = [*TWO_STARTS, *random_starts(np.random.default_rng(0), 4, 2)]
@@ -299,7 +305,7 @@ def search() -> np.ndarray:
     return best[1]
 
 
-SHARE_DEGREES = 6, 5, 2  # in x, m and the logarithm of the bound
+SHARE_DEGREES = 8, 6, 2  # in x, m and the logarithm of the bound
 SHARE_BOUNDS = np.geomspace(*fit.BOUNDS, 9)
 SHARE_FRESNELS = (Schlick(1.0), Schlick(0.02), Dielectric(1.33))
 
@@ -317,17 +323,25 @@ def largest_share(cell: Cell, bound: float) -> float:
     return 1.0 if excess(1.0) <= 0 else float(brentq(excess, 0.0, 1.0))
 
 
-def shares(cells: list[Cell]) -> np.ndarray:
-    """Coefficients [j][k][l] of ``hybrid_share``: the highest polynomial that lies below all largest shares."""
+def shares() -> np.ndarray:
+    """Coefficients [j][k][l] of ``hybrid_share``: the highest polynomial that lies below all largest shares.
+
+    And that grows with the bound, as they do.
+    """
+    slopes = sorted({*SLOPES, *np.linspace(0.075, 0.975, 19).tolist()})
+    coordinates = 0.5 + 0.5 * fit.bound_coordinate(SHARE_BOUNDS)
+    of_bound = np.polynomial.chebyshev.chebvander(2.0 * coordinates - 1.0, SHARE_DEGREES[2])
     rows, limits = [], []
-    for cell in cells:
-        for bound in SHARE_BOUNDS:
-            coordinates = cell.x, cell.m, 0.5 + 0.5 * fit.bound_coordinate(bound)
-            x, m, b = (_chebyshev(v, degree) for v, degree in zip(coordinates, SHARE_DEGREES, strict=True))
-            rows.append(np.einsum("j,k,l->jkl", x, m, b).ravel())
-            limits.append(largest_share(cell, bound))
+    views = (*np.arange(0.0, 89.0, 2.0), 89.0, 89.6, 89.95)
+    for cell in (Cell(m, degrees, finer=2) for m in slopes for degrees in views):  # a coarse grid blurs small bounds
+        x, m = (_chebyshev(v, degree) for v, degree in zip((cell.x, cell.m), SHARE_DEGREES, strict=False))
+        rows.append(np.einsum("j,k,bl->bjkl", x, m, of_bound).reshape(len(SHARE_BOUNDS), -1))
+        limits.append([largest_share(cell, bound) for bound in SHARE_BOUNDS])
     basis, limit = np.array(rows), np.array(limits)
-    solved = linprog(-basis.sum(axis=0), A_ub=basis, b_ub=limit - 0.005, bounds=(None, None), method="highs")
+    size = basis.shape[-1]
+    below = np.concatenate([basis.reshape(-1, size), (basis[:, :-1] - basis[:, 1:]).reshape(-1, size)])
+    most = np.concatenate([0.98 * limit.ravel(), np.zeros(limit[:, 1:].size)])  # 2 % lower, for what is between
+    solved = linprog(-basis.sum(axis=(0, 1)), A_ub=below, b_ub=most, bounds=(None, None), method="highs")
     print(f"share: {solved.message} mean {np.mean(limit):.3f}, of the polynomial {np.mean(basis @ solved.x):.3f}")
     grid = solved.x.reshape([degree + 1 for degree in SHARE_DEGREES])
     return np.einsum("abc,aj,bk,cl->jkl", grid, *(_to_powers(degree) for degree in SHARE_DEGREES))
@@ -361,8 +375,10 @@ def main() -> None:
     if parser.parse_args().write:
         numbers = monomials(search())
         write(numbers)
-        cells = [Cell(m, degrees) for m in SLOPES for degrees in ANGLES]
-        write(numbers | {"share": shares(cells)})  # of the mixture as written
+        views = [Cell(m, degrees) for m in (*SLOPES, *np.linspace(0.1, 1.0, 19)) for degrees in np.arange(0, 90, 1.5)]
+        numbers["weight"] *= min(1.0, 0.9999 / max(map(albedo, views)))  # a furnace must not exceed 1
+        write(numbers)
+        write(numbers | {"share": shares()})  # of the mixture as written
     print_table()
 
 
