@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from .presets import Preset
 
+PREVIEW_SAMPLES = 128
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__, rich_markup_mode=None)
 out, err = Console(), Console(stderr=True)
 
@@ -98,7 +99,7 @@ def render(
     settings: SetOption = None,
     backend: BackendOption = Backend.NODES,
     estimator: Annotated[
-        Estimator, typer.Option(help="auto: mirror where it sees every light, else fit")
+        Estimator, typer.Option(help="auto: what errs least in this scene at this many samples; see explain")
     ] = Estimator.AUTO,
     at_time: TimeOption = None,
     frames: Annotated[str | None, typer.Option(metavar="A-B", help="A sequence of the scene's frames")] = None,
@@ -131,9 +132,10 @@ def render(
 
     with headless.quiet():
         shown = _open(what) if is_scene else scene.preview()
+        shown.cycles.samples = samples or (shown.cycles.samples if is_scene else PREVIEW_SAMPLES)
         _assign(shown, changed, backend, estimator, "--assign" if is_scene else "")
     if not is_scene:
-        samples, size = samples or 128, size or (640, 480)
+        size = size or (640, 480)
     numbers: list[int | None] = [*span] or [None]
     for frame in numbers:
         path = output if frame is None else _numbered(output, frame)
@@ -212,6 +214,41 @@ def measure(
     with replacing(output) as temporary:
         _write_exr(temporary, image, attributes)
     err.print(f"wrote {output}", highlight=False, soft_wrap=True)
+
+
+@app.command()
+def explain(
+    name: Annotated[str, typer.Argument(metavar="PRESET")],
+    *,
+    settings: SetOption = None,
+    in_scene: Annotated[
+        Path | None, typer.Option("--scene", metavar="SCENE.blend", help="Explain for this scene, not the preview's")
+    ] = None,
+    backend: BackendOption = Backend.NODES,
+    estimator: Annotated[Estimator, typer.Option(help="auto: by what the scene holds")] = Estimator.AUTO,
+    samples: Annotated[int | None, typer.Option(min=1, help="Samples a pixel, if not the scene's own")] = None,
+) -> None:
+    """Say what a preset's material is built of in a scene, and what was left out and why."""
+    preset = _changed(presets.find(name), settings, None)
+    if in_scene is not None and not in_scene.is_file():
+        message = f"{in_scene}: no such scene; name a .blend file"
+        raise InputError(message)
+    _with_blender()
+    from . import explain as explaining
+    from . import headless, scene
+
+    with headless.quiet():
+        shown = _open(str(in_scene)) if in_scene else scene.preview()
+        shown.cycles.samples = samples or (shown.cycles.samples if in_scene else PREVIEW_SAMPLES)
+        account = explaining.explain(preset, shown, str(backend), str(estimator))
+    for title, kept in ((account.material.name, True), ("left out", False)):
+        table = Table(title, "why")
+        for line in account.lines:
+            if line.kept == kept:
+                table.add_row(line.what, line.why)
+        out.print(table)
+    for problem in scene.problems(shown, str(backend), account.estimator, preset.m):
+        out.print(f"advice: {problem.text}", highlight=False, markup=False)
 
 
 @app.command()
@@ -391,9 +428,10 @@ def _assign(shown: Any, changed: list[tuple[str, Preset]], backend: Backend, est
 
     if backend == Backend.OSL:
         shown.cycles.shading_system = True
-    chosen = scene.pick_estimator(shown) if estimator == Estimator.AUTO else str(estimator)
-    lamps = scene.lamps_to_bind(shown, chosen)
+    said: set[str] = set()
     for name, preset in changed:
+        chosen = scene.pick_estimator(shown, preset.m) if estimator == Estimator.AUTO else str(estimator)
+        lamps = scene.lamps_to_bind(shown, chosen)
         item = shown.objects.get(name)
         if item is None:
             known = ", ".join(sorted(other.name for other in shown.objects if other.type == "MESH"))
@@ -402,9 +440,10 @@ def _assign(shown: Any, changed: list[tuple[str, Preset]], backend: Backend, est
         if not material.apply(material.build(preset, material.Choice(str(backend), chosen, lamps)), [item]):
             message = f'{flag} "{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise InputError(message)
-    if changed:
-        for problem in scene.problems(shown, str(backend), chosen, max(p.m for _, p in changed)):
-            err.print(f"warning: {problem.text}", highlight=False, markup=False, soft_wrap=True)
+        for problem in scene.problems(shown, str(backend), chosen, preset.m):
+            if problem.text not in said:
+                err.print(f"warning: {problem.text}", highlight=False, markup=False, soft_wrap=True)
+            said.add(problem.text)
 
 
 def _write_exr(path: Path, image: Any, attributes: dict[str, Any]) -> None:

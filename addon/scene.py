@@ -158,10 +158,31 @@ def _use_mis(unseen: Sequence[Object]) -> None:
         item.data.cycles.use_multiple_importance_sampling = True
 
 
-def pick_estimator(scene: Scene) -> str:
-    """``auto``: mirror where rays readily hit every light, as it is exact; else fit, which sees all lights."""
-    blind = {"size", "mis", "world", "small"}
-    return "fit" if any(problem.key in blind for problem in _mirror_problems(scene)) else "mirror"
+@dataclass(frozen=True)
+class Pick:
+    """An estimator, and in a few words why it is the one for a scene."""
+
+    estimator: str
+    why: str
+
+
+def pick(scene: Scene, m: float) -> Pick:
+    """``auto``: what has the least error at the scene's sample count, bias and noise together (docs/error.md)."""
+    shown = lamps.of_scene(scene)
+    if m > 1.0:
+        blind = {"size", "mis", "world", "small"}
+        if any(problem.key in blind for problem in _mirror_problems(scene)):
+            return Pick("corrected", "beyond m = 1 only the formula at lamps is right; the rest is shown as m = 1")
+        return Pick("mirror", "beyond m = 1 Cycles' closures end, and rays readily hit every light")
+    if shown and any(lamps.refusal(item) is None for item in shown):
+        return Pick("corrected", "lamps are exact by the formula, and the rest has no added noise")
+    samples = scene.cycles.samples
+    return Pick("fit", f"at {samples} samples its bias is below the noise that a random facet would add")
+
+
+def pick_estimator(scene: Scene, m: float) -> str:
+    """The estimator of ``pick``."""
+    return pick(scene, m).estimator
 
 
 def lamps_to_bind(scene: Scene, estimator: str) -> tuple[Object, ...]:

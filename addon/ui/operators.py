@@ -76,13 +76,20 @@ class VGROOVE_OT_mend(bpy.types.Operator):
 
 def chosen_estimator(shown: bpy.types.Scene) -> str:
     """The panel's estimator, with ``auto`` decided."""
-    estimator = shown.vgroove.estimator
-    return scene.pick_estimator(shown) if estimator == "auto" else estimator
+    return chosen(shown).estimator
+
+
+def chosen(shown: bpy.types.Scene) -> scene.Pick:
+    """The panel's estimator and, where ``auto`` picked it, why."""
+    if shown.vgroove.estimator != "auto":
+        return scene.Pick(shown.vgroove.estimator, "")
+    return scene.pick(shown, presets.find(shown.vgroove.preset).m)
 
 
 def current_problems(shown: bpy.types.Scene) -> list[scene.Problem]:
     """What is wrong with the scene for the panel's choices."""
-    return scene.problems(shown, shown.vgroove.backend, chosen_estimator(shown))
+    m = presets.find(shown.vgroove.preset).m
+    return scene.problems(shown, shown.vgroove.backend, chosen_estimator(shown), m)
 
 
 CLASSES = (VGROOVE_OT_apply, VGROOVE_OT_mend)

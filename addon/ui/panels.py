@@ -27,13 +27,15 @@ class VGROOVE_PT_material(bpy.types.Panel):
         column.prop(settings, "preset")
         column.row().prop(settings, "backend", expand=True)
         column.prop(settings, "estimator")
-        picked = operators.chosen_estimator(context.scene).title()
+        picked = operators.chosen(context.scene)
         split = column.split(factor=0.4)  # under the menu, and kept when nothing is picked: buttons must not jump
         split.label()
-        split.label(text=f"Picks {picked} here" if settings.estimator == "auto" else "")
+        split.label(text=f"Picks {picked.estimator.title()} here" if settings.estimator == "auto" else "")
         row = layout.row()
         row.scale_y = 1.4
         row.operator("vgroove.apply", icon="MATERIAL")
+        if picked.why:
+            lines(layout, f"{picked.estimator.title()}: {picked.why}", context.region.width)
         source = presets.find(settings.preset).source
         lines(layout, f"Source: {source['data']}", context.region.width)
 

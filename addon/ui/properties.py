@@ -18,7 +18,7 @@ BACKENDS = (
     ("osl", "OSL", "Open Shading Language: CPU and OptiX only; switch it on in the render properties", "SCRIPT", 1),
 )
 ESTIMATORS = (
-    ("auto", "Automatic", "Mirror where its rays readily hit every light, else Fit", 0),
+    ("auto", "Automatic", "What errs least in this scene at its number of samples; the panel says why", 0),
     (
         "fit",
         "Fit",

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Error of each estimator against the V-groove model, noise and bias together, by samples, on three scenes.
+
+    python bench/error.py [--write]        --write: also as docs/error.md
+
+A copper ball alone, so that all its light comes straight from a lamp or the world: an environment map; a softbox (an
+area lamp of 1 m, 2.5 m away); a sun of half a degree under a dim, even sky. The truth is the sum of two images: the
+world by ``mirror``, the lamp by ``direct``, each of many samples. The error is the root mean square of what differs,
+as a share of the root mean square of the truth, over the pixels of the ball.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import dataclass
+from math import radians
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+
+from vgroove.addon import headless
+
+headless.prepare()
+
+import bpy  # noqa: E402 - after prepare()
+import numpy as np  # noqa: E402
+
+from vgroove.addon import gonio, material, presets, scene  # noqa: E402
+
+if TYPE_CHECKING:
+    from bpy.types import Scene
+    from numpy.typing import NDArray
+
+SIZE = 48
+SLOPES = (0.1, 0.3, 0.6)
+SAMPLES = (16, 64, 256, 1024, 4096)
+WORLD_SAMPLES, LAMP_SAMPLES = 65536, 16384
+SCENES = ("environment", "softbox", "sun")
+LABELS = {"environment": "environment map", "softbox": "softbox", "sun": "half-degree sun, dim sky"}
+TABLE = Path(__file__).parent.parent / "docs" / "error.md"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The error of one estimator at one sample count, and what ``auto`` would have picked there."""
+
+    scene: str
+    m: float
+    samples: int
+    errors: dict[str, float]
+    picked: str
+
+    @property
+    def best(self) -> float:
+        return min(self.errors.values())
+
+
+def stage(name: str) -> Scene:
+    """The ball under one of ``SCENES``."""
+    shown = scene.preview("studio")
+    for item in [shown.objects["Floor"], shown.objects["Sun"]]:
+        bpy.data.objects.remove(item)
+    shown.render.resolution_x = shown.render.resolution_y = SIZE
+    shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
+    shown.view_settings.view_transform = "Raw"
+    shown.camera.location, shown.camera.rotation_euler = (0.0, -6.0, 1.0), (radians(90.0), 0.0, 0.0)
+    shown.camera.data.lens = 90
+    if name == "environment":
+        return shown
+    tree = shown.world.node_tree
+    background = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBackground")
+    tree.links.remove(background.inputs["Color"].links[0])
+    level = 0.05 if name == "sun" else 0.0
+    background.inputs["Color"].default_value = (level, level, level, 1.0)
+    light = bpy.data.lights.new("Lamp", "AREA" if name == "softbox" else "SUN")
+    if name == "softbox":
+        light.energy, light.size = 60.0, 1.0
+    else:
+        light.energy, light.angle = 2.0, radians(0.53)
+    lamp = bpy.data.objects.new("Lamp", light)
+    lamp.location, lamp.rotation_euler = (1.3, -1.6, 2.6), (radians(45.0), 0.0, radians(39.0))
+    shown.collection.objects.link(lamp)
+    shown.view_layers[0].update()
+    return shown
+
+
+def image(shown: Scene, m: float, estimator: str, samples: int, seed: int = 0) -> NDArray[np.float64]:
+    """Linear RGB of the ball of slope ``m``."""
+    preset = presets.find("lecture/copper").with_parameters(m=m)
+    made = material.build(preset, material.Choice("nodes", estimator, scene.lamps_to_bind(shown, estimator)))
+    shown.objects["Ball"].active_material = made
+    shown.view_layers[0].update()
+    shown.cycles.samples, shown.cycles.seed = samples, seed
+    return gonio.rendered(shown).astype(np.float64)
+
+
+def truth(shown: Scene, m: float) -> NDArray[np.float64]:
+    """The world by ``mirror``, the lamp by ``direct``."""
+    lamp = shown.objects.get("Lamp")
+    total = np.zeros((SIZE, SIZE, 3))
+    if lamp is not None:
+        world, shown.world = shown.world, None
+        total += image(shown, m, "direct", LAMP_SAMPLES)
+        shown.world = world
+        lamp.hide_render = True
+    total += image(shown, m, "mirror", WORLD_SAMPLES if lamp is None else WORLD_SAMPLES // 16)
+    if lamp is not None:
+        lamp.hide_render = False
+    return total
+
+
+def ball() -> NDArray[np.bool_]:
+    """The pixels that show the ball alone, a little inside its outline."""
+    x, y = np.meshgrid((np.arange(SIZE) + 0.5) / SIZE - 0.5, (np.arange(SIZE) + 0.5) / SIZE - 0.5)
+    radius = 90.0 / 36.0 / np.sqrt(6.0**2 - 1.0)  # of a unit ball 6 m away, as a share of the picture's width
+    return np.hypot(x, y) < radius - 1.5 / SIZE
+
+
+def measure(name: str, m: float) -> list[Measured]:
+    """One scene and slope, every estimator but ``direct`` at each sample count; the median of three seeds."""
+    found = []
+    seen = ball()
+    with headless.quiet():
+        shown = stage(name)
+        exact = truth(shown, m)[seen]
+        scale = np.sqrt(np.mean(exact**2))
+        estimators = [name for name in material.ESTIMATORS if name != "direct"]
+        if not shown.objects.get("Lamp"):
+            estimators.remove("corrected")  # the same as fit
+        for samples in SAMPLES:
+            errors = {}
+            for estimator in estimators:
+                off = [image(shown, m, estimator, samples, seed)[seen] - exact for seed in (1, 2, 3)]
+                errors[estimator] = float(np.median([np.sqrt(np.mean(part**2)) for part in off]) / scale)
+            shown.cycles.samples = samples
+            found.append(Measured(name, m, samples, errors, scene.pick_estimator(shown, m)))
+    return found
+
+
+def markdown(rows: list[Measured]) -> str:
+    """docs/error.md."""
+    lines = [
+        "# Error of each estimator against the V-groove model",
+        "",
+        "Root mean square of bias and noise together, in percent of the picture's, on a copper ball;",
+        "median of three seeds, by samples a pixel. **Bold**: what Automatic picks. `python bench/error.py --write`",
+        "made it.",
+    ]
+    for name in SCENES:
+        lines += ["", f"## {LABELS[name].capitalize()}", ""]
+        columns = [e for e in material.ESTIMATORS if any(e in row.errors for row in rows if row.scene == name)]
+        lines += ["| m | samples | " + " | ".join(columns) + " |", "| --- " * (len(columns) + 2) + "|"]
+        for row in rows:
+            if row.scene == name:
+                cells = [f"{100 * row.errors[e]:.3g}" for e in columns]
+                cells = [f"**{c}**" if e == row.picked else c for c, e in zip(cells, columns, strict=True)]
+                lines.append(f"| {row.m:g} | {row.samples} | " + " | ".join(cells) + " |")
+    return "\n".join([*lines, ""])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--write", action="store_true", help="write docs/error.md")
+    parser.add_argument("--json", type=Path, help="write the numbers here too")
+    options = parser.parse_args()
+    rows: list[Measured] = []
+    shown = [estimator for estimator in material.ESTIMATORS if estimator != "direct"]
+    table = Table("scene", "m", "samples", *shown, "picked", "over best")
+    for name in SCENES:
+        for m in SLOPES:
+            for row in measure(name, m):
+                rows.append(row)
+                cells = [
+                    f"{row.errors[e]:.3%}" if e in row.errors else "" for e in material.ESTIMATORS if e != "direct"
+                ]
+                over = row.errors[row.picked] / row.best
+                table.add_row(name, f"{m:g}", str(row.samples), *cells, row.picked, f"{over:.2f}")
+            Console(stderr=True).print(f"{name}, m = {m:g}")
+    Console(width=150).print(table)
+    if options.json:
+        options.json.write_text(json.dumps([vars(row) for row in rows]))
+    if options.write:
+        TABLE.write_text(markdown(rows), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
