@@ -170,7 +170,7 @@ def measure(
     seed: SeedOption = 0,
     backend: BackendOption = Backend.NODES,
     estimator: Annotated[
-        Estimator, typer.Option(help="auto: mirror for a sun with an angle or a furnace, else direct")
+        Estimator, typer.Option(help="auto: mirror for a sun with an angle or a furnace, else direct (glass: closure)")
     ] = Estimator.AUTO,
 ) -> None:
     """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer."""
@@ -193,7 +193,8 @@ def measure(
         message = "direct takes lamps as points; leave --sun-angle and --furnace out, or choose mirror"
         raise InputError(message)
     if estimator == Estimator.AUTO:
-        estimator = Estimator.MIRROR if extended else Estimator.DIRECT
+        exact = Estimator.CLOSURE if preset.transparent else Estimator.DIRECT
+        estimator = Estimator.MIRROR if extended else exact
     check_writable(output)
     _with_blender()
     from . import gonio, headless
@@ -247,7 +248,7 @@ def explain(
             if line.kept == kept:
                 table.add_row(line.what, line.why)
         out.print(table)
-    for problem in scene.problems(shown, str(backend), account.estimator, preset.m):
+    for problem in scene.problems(shown, str(backend), account.estimator, preset.m, preset.model):
         out.print(f"advice: {problem.text}", highlight=False, markup=False)
 
 
@@ -262,9 +263,12 @@ def check(
         check_writable(json_file)
     _with_blender()
     from . import check as checking
+    from . import check_glass, check_hybrid, check_oren_nayar
 
-    plan = [item for item in checking.plan() if not quick or item[1][-1] == 0.3]
-    rows = [measure_row(*arguments) for measure_row, arguments in _progress(plan, "measuring")]
+    plans = [*checking.plan(), *check_hybrid.plan(), *check_oren_nayar.plan()]
+    every = [*((row, arguments, {}) for row, arguments in plans), *check_glass.plan()]
+    plan = [item for item in every if not quick or item[1][-1] == 0.3]
+    rows = [measure_row(*arguments, **more) for measure_row, arguments, more in _progress(plan, "measuring")]
     table = Table("estimator", "run as", "Fresnel", "m", "worst", "bar", "resolves", "")
     for row in rows:
         worst, bar = (f"{row.error:.2%}", f"{row.bar:.2%}") if row.is_noisy else (f"{row.error:.1e}", f"{row.bar:.1e}")
@@ -430,8 +434,8 @@ def _assign(shown: Any, changed: list[tuple[str, Preset]], backend: Backend, est
         shown.cycles.shading_system = True
     said: set[str] = set()
     for name, preset in changed:
-        chosen = scene.pick_estimator(shown, preset.m) if estimator == Estimator.AUTO else str(estimator)
-        lamps = scene.lamps_to_bind(shown, chosen)
+        chosen = scene.pick_estimator(shown, preset.m, preset.model) if estimator == Estimator.AUTO else str(estimator)
+        lamps = scene.lamps_to_bind(shown, chosen, preset.model)
         item = shown.objects.get(name)
         if item is None:
             known = ", ".join(sorted(other.name for other in shown.objects if other.type == "MESH"))
@@ -440,7 +444,7 @@ def _assign(shown: Any, changed: list[tuple[str, Preset]], backend: Backend, est
         if not material.apply(material.build(preset, material.Choice(str(backend), chosen, lamps)), [item]):
             message = f'{flag} "{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise InputError(message)
-        for problem in scene.problems(shown, str(backend), chosen, preset.m):
+        for problem in scene.problems(shown, str(backend), chosen, preset.m, preset.model):
             if problem.text not in said:
                 err.print(f"warning: {problem.text}", highlight=False, markup=False, soft_wrap=True)
             said.add(problem.text)

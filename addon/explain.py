@@ -45,8 +45,10 @@ class Account:
 
 def explain(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> Account:
     """The material that ``preset`` gets in ``shown``, with its account; raises what ``build`` raises."""
-    pick = scene.pick(shown, preset.m) if estimator == "auto" else scene.Pick(estimator, "it was asked for")
-    lamps = scene.lamps_to_bind(shown, pick.estimator)
+    pick = (
+        scene.pick(shown, preset.m, preset.model) if estimator == "auto" else scene.Pick(estimator, "it was asked for")
+    )
+    lamps = scene.lamps_to_bind(shown, pick.estimator, preset.model)
     made = build(preset, Choice(backend, pick.estimator, lamps))
     lines = [*_kept(preset, pick, backend, made, [lamp.name for lamp in lamps]), *_left_out(preset, pick, shown, made)]
     return Account(made, pick.estimator, lines)
@@ -55,19 +57,27 @@ def explain(preset: Preset, shown: Scene, backend: str, estimator: str = "auto")
 def _kept(preset: Preset, pick: scene.Pick, backend: str, made: Material, lamps: list[str]) -> Iterator[Line]:
     nodes = sum(1 for _ in nodes_inside(made.node_tree))
     yield Line(f"estimator {pick.estimator}", pick.why, kept=True)
-    yield Line(f"Fresnel term: {preset.fresnel}", FRESNEL[preset.fresnel], kept=True)
+    if preset.kind in FRESNEL:
+        yield Line(f"Fresnel term: {preset.kind}", FRESNEL[preset.kind], kept=True)
+    else:
+        yield Line(f"model {preset.model}", preset.kind, kept=True)
     yield Line(f"backend {backend}", f"{nodes} nodes in all", kept=True)
     if lamps:
         yield Line(f"{len(lamps)} bound lamps", f"evaluated by the formula: {', '.join(lamps)}", kept=True)
 
 
 def _left_out(preset: Preset, pick: scene.Pick, shown: Scene, made: Material) -> Iterator[Line]:
-    others = [kind for kind in FRESNEL if kind != preset.fresnel]
-    yield Line(f"Fresnel terms: {', '.join(others)}", "the preset needs one", kept=False)
+    if preset.kind in FRESNEL:
+        others = [kind for kind in FRESNEL if kind != preset.kind]
+        yield Line(f"Fresnel terms: {', '.join(others)}", "the preset needs one", kept=False)
     yield Line("time", "the preset does not change: no drivers of time, no keys", kept=False)
-    yield Line("diffuse part", "the preset has none", kept=False)
-    yield Line("transmission", "the preset is opaque", kept=False)
-    if pick.estimator not in KINDS_OF_RANDOM:
+    if preset.model != "oren_nayar":
+        yield Line("diffuse part", "the preset has none", kept=False)
+    if not preset.transparent:
+        yield Line("transmission", "the preset is opaque", kept=False)
+    if preset.model == "glass" and preset.m == 0:
+        yield Line("facets and random numbers", "m = 0 is a smooth interface", kept=False)
+    elif pick.estimator not in KINDS_OF_RANDOM:
         yield Line("random numbers", f"{pick.estimator} draws no facets", kept=False)
     if made.node_tree.animation_data is None:
         why = "see every lamp by themselves" if pick.estimator in NATIVE else "there is none to bind"

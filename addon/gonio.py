@@ -103,7 +103,7 @@ def measure_preset(
 
     def make(lamps: tuple[Object, ...]) -> Material:
         # No shadows: tracing under an OSL camera crashes Blender 5.2.3, and nothing stands in the light.
-        suns = lamps if binds(estimator, geometry.sun_angle) else ()
+        suns = lamps if binds(estimator, geometry.sun_angle, preset.model) else ()
         return build(preset, Choice(backend, estimator, suns, shadows=False, bound=bound))
 
     return _measure(make, geometry, samples, seed, shading_osl)
@@ -242,7 +242,7 @@ def measure_sphere(
         geometry = Geometry(theta_i)
         (lamp,) = light(scene, geometry)
         lamp.data.energy = 1.0
-        bound = (lamp,) if binds(estimator, 0.0) else ()
+        bound = (lamp,) if binds(estimator, 0.0, preset.model) else ()
         _sphere(scene, build(preset, Choice(backend, estimator, bound, shadows=False)))
         camera = bpy.data.cameras.new("VGroove gonio")
         camera.type, camera.ortho_scale = "ORTHO", 2.0

@@ -20,7 +20,14 @@ from ..nodegroups import (
     cook_torrance_hybrid,
     cook_torrance_mirror,
     fresnel,
+    glass_closure,
+    glass_mirror,
     lamp,
+    oren_nayar,
+    oren_nayar_closure,
+    oren_nayar_direct,
+    oren_nayar_fit,
+    oren_nayar_mirror,
 )
 from . import lamps as lamp_binding
 from .presets import M_RANGE
@@ -35,18 +42,37 @@ if TYPE_CHECKING:
 
 BACKENDS = ("nodes", "osl")
 ESTIMATORS = ("fit", "closure", "corrected", "hybrid", "mirror", "direct")
-TILTED = {"fit", "corrected", "hybrid", "mirror"}  # their normals would be bent by Bump Map Correction
+BUILDERS: dict[str, dict[str, Any]] = {
+    "cook_torrance": {
+        "fit": cook_torrance_fit,
+        "closure": cook_torrance_closure,
+        "corrected": cook_torrance_corrected,
+        "hybrid": cook_torrance_hybrid,
+        "mirror": cook_torrance_mirror,
+        "direct": cook_torrance_direct,
+    },
+    "oren_nayar": {
+        "fit": oren_nayar_fit,
+        "closure": oren_nayar_closure,
+        "mirror": oren_nayar_mirror,
+        "direct": oren_nayar_direct,
+    },
+    "glass": {"closure": glass_closure, "mirror": glass_mirror},
+}
+UPRIGHT = {"closure", "direct"}  # estimators whose closures do not lean: others would be bent by Bump Map Correction
 NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
 EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
 KEY = "vgroove"  # custom property on a material: what it was built from
 STATE = "vgroove_state"  # its inputs as built, to tell whether an artist changed them since
 
 
-def binds(estimator: str, lamp_size: float) -> bool:
+def binds(estimator: str, lamp_size: float, model: str = "cook_torrance") -> bool:
     """Whether a material by ``estimator`` evaluates the formula itself at a lamp of this size.
 
-    ``mirror`` and ``hybrid`` do so where it is 0, as their random rays cannot hit such a lamp.
+    ``mirror`` and ``hybrid`` do so where it is 0, as their random rays cannot hit such a lamp; glass never does.
     """
+    if "direct" not in BUILDERS[model]:
+        return False
     return estimator in EVERY_LAMP or (estimator not in NATIVE and lamp_size == 0.0)
 
 
@@ -108,8 +134,9 @@ def build(preset: Preset, choice: Choice) -> Material:
     tree.nodes.clear()
     node = _group_node(tree, group, preset.name)
     for name, value in preset.parameters.items():
-        # m = 0, a smooth interface, is what float32 can hold of it
-        _set(node, SOCKETS[name], max(preset.m, M_RANGE[0]) if name == "m" else value)
+        if SOCKETS[name] in node.inputs:  # smooth glass has no slope
+            # m = 0, a smooth interface, is what float32 can hold of it
+            _set(node, SOCKETS[name], max(preset.m, M_RANGE[0]) if name == "m" else value)
     if choice.estimator == "hybrid":
         _set(node, "Bound", choice.bound)
     for index, one in enumerate(choice.lamps, 1):
@@ -118,14 +145,15 @@ def build(preset: Preset, choice: Choice) -> Material:
     output.location = (300, 0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     _show_in_solid_view(material, preset)
-    material.cycles.use_bump_map_correction = choice.estimator not in TILTED
+    material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
     material[KEY] = key
     material[STATE] = _state(material)
     return material
 
 
-SOCKETS = {"m": "Slope m", "f0": "F0", "eta": "IOR", "n": "n", "k": "k"}  # reference name -> group input
+SOCKETS = {"m": "Slope m", "f0": "F0", "eta": "IOR", "n": "n", "k": "k"}
+SOCKETS |= {"albedo": "Base Color", "sigma": "Sigma", "tint": "Tint"}  # reference name -> group input
 
 
 def apply(material: Material, objects: Sequence[Object]) -> int:
@@ -147,7 +175,9 @@ def _key(preset: Preset, choice: Choice) -> str:
         [one.name, lamp_binding.kind(one), lamp_binding.size(one) > 0, choice.shadows and one.data.use_shadow]
         for one in choice.lamps
     ]
-    return json.dumps([preset.id, preset.parameters, choice.backend, choice.estimator, choice.bound, bound])
+    return json.dumps(
+        [preset.id, preset.kind, preset.parameters, choice.backend, choice.estimator, choice.bound, bound]
+    )
 
 
 def _state(material: Material) -> str:
@@ -165,22 +195,33 @@ def _state(material: Material) -> str:
 
 
 def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
-    module = {
-        "fit": cook_torrance_fit,
-        "closure": cook_torrance_closure,
-        "corrected": cook_torrance_corrected,
-        "hybrid": cook_torrance_hybrid,
-        "mirror": cook_torrance_mirror,
-        "direct": cook_torrance_direct,
-    }[choice.estimator]
+    """The node group of the preset's model by this choice."""
+    known = BUILDERS[preset.model]
+    if choice.estimator not in known:
+        what = f'{preset.id} is {preset.model}, which has no estimator "{choice.estimator}"'
+        message = f"{what}; use one of {', '.join(known)}"
+        raise MaterialError(message)
+    if choice.lamps and not binds("direct", 0.0, preset.model):
+        message = f"{preset.id} is {preset.model}, which evaluates no lamps by itself; leave lamps empty"
+        raise MaterialError(message)
+    module = known[choice.estimator]
     build_group = module.build if choice.backend == "nodes" else module.build_osl
-    arguments: dict[str, Any] = {"kind": preset.fresnel}
-    name = f"{module.NAME} {fresnel.LABELS[preset.fresnel]}"
-    if choice.estimator not in NATIVE:
+    name, arguments = _form(preset)
+    if choice.estimator not in NATIVE and preset.model != "glass":
         arguments["lamps"] = len(choice.lamps)
     if choice.lamps:
         name += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
-    return nodegroups.ensure(name + _suffix(choice), module.REVISION, partial(build_group, **arguments))
+    name = f"{module.NAME} {name}".strip() + _suffix(choice)
+    return nodegroups.ensure(name, module.REVISION, partial(build_group, **arguments))
+
+
+def _form(preset: Preset) -> tuple[str, dict[str, Any]]:
+    """What of the preset's kind its group's name says, and its builder has to know."""
+    if preset.model == "glass":
+        thin, smooth = preset.kind == "thin", preset.m == 0
+        return " ".join(["Thin"] * thin + ["Smooth"] * smooth), {"thin": thin, "smooth": smooth}
+    labels = fresnel.LABELS if preset.model == "cook_torrance" else oren_nayar.LABELS
+    return labels[preset.kind], {"kind": preset.kind}
 
 
 def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Choice) -> None:
@@ -197,9 +238,12 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Cho
 
 def _show_in_solid_view(material: Material, preset: Preset) -> None:
     """The colour head-on and the roughness, for viewports that do not run the shader."""
-    f0 = preset.reference_fresnel()(1.0)
-    material.diffuse_color = (*(float(channel) for channel in f0), 1.0)
-    material.roughness = min(1.0, preset.m**0.5)
+    values: dict[str, Any] = preset.parameters
+    color = values.get("albedo") or values.get("tint")
+    if color is None:
+        color = tuple(float(channel) for channel in preset.reference_fresnel()(1.0))
+    material.diffuse_color = (*color, 0.3 if preset.transparent else 1.0)
+    material.roughness = 1.0 if preset.model == "oren_nayar" else min(1.0, preset.m**0.5)
 
 
 def _suffix(choice: Choice) -> str:

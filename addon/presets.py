@@ -2,13 +2,16 @@
 """Presets: one TOML file a material, presets/FAMILY/MATERIAL.toml, read into frozen dataclasses and checked.
 
     name = "Copper"                 # what artists see
-    model = "cook_torrance"
+    model = "cook_torrance"         # opaque: reflection alone
     m = 0.3                         # RMS facet slope; 0 is a plain smooth interface
     [fresnel]                       # one of: f0 (RGB); eta; n and k (RGB)
     f0 = [0.95, 0.64, 0.54]
     [source]
     data = "author, year, table"    # where every number comes from
     trust = "what is measured and what is chosen"
+
+Other models take their numbers at the top: "oren_nayar" albedo (RGB), sigma and kind "full" or "qualitative"; "glass",
+which is transparent, m, eta, tint (RGB) and kind "interface" or "thin" (a sheet of it).
 
 Imports no bpy.
 """
@@ -19,22 +22,28 @@ import difflib
 import tomllib
 from dataclasses import dataclass, replace
 from functools import cache
+from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .reference import Conductor, CookTorrance, Dielectric, Fresnel, Schlick, Smooth
+from .reference import Conductor, CookTorrance, Dielectric, Fresnel, Glass, OrenNayar, Schlick, Smooth
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 FOLDER = Path(__file__).parent.parent / "presets"
 FIRST_FAMILY = "lecture"  # wins where a bare name is ambiguous
-MODELS = ("cook_torrance",)
+MODELS = {"cook_torrance": ("m",), "oren_nayar": ("albedo", "sigma"), "glass": ("m", "eta", "tint")}  # their numbers
+KINDS = {"oren_nayar": ("full", "qualitative"), "glass": ("interface", "thin")}  # the first where none is given
+TRANSPARENT = {"glass"}
+DEFAULTS = {"tint": (1.0, 1.0, 1.0)}
 FRESNEL_KEYS = {"schlick": ("f0",), "dielectric": ("eta",), "conductor": ("n", "k")}
 M_RANGE = (1e-4, 10.0)  # what float32 shaders keep finite; 0 stands for a smooth interface
 RANGES = {"m": M_RANGE, "f0": (0.0, 1.0), "eta": (0.1, 10.0), "n": (0.0, 20.0), "k": (0.0, 20.0)}
-RGB = {"f0", "n", "k"}
-TOP_KEYS = {"name": str, "model": str, "m": float, "fresnel": dict, "source": dict, "tags": list, "notes": str}
+# White Oren-Nayar as published sends back up to 1.051 of what arrives; below 0.95 no direction exceeds 1.
+RANGES |= {"albedo": (0.0, 0.95), "sigma": (0.0, pi / 2), "tint": (0.0, 1.0)}
+RGB = {"f0", "n", "k", "albedo", "tint"}
+TOP_KEYS = {"name": str, "model": str, "kind": str, "fresnel": dict, "source": dict, "tags": list, "notes": str}
 SOURCE_KEYS = ("data", "licence", "trust")
 
 
@@ -44,12 +53,15 @@ class PresetError(ValueError):
 
 @dataclass(frozen=True)
 class Preset:
-    """One material. ``parameters`` holds m and the Fresnel numbers by their reference names."""
+    """One material. ``parameters`` holds the model's numbers by their reference names.
+
+    ``kind`` is the form of the model: of ``cook_torrance`` that of its Fresnel term, else one of ``KINDS``.
+    """
 
     id: str
     name: str
     model: str
-    fresnel: str
+    kind: str
     parameters: dict[str, float | tuple[float, float, float]]
     source: dict[str, str]
     tags: tuple[str, ...] = ()
@@ -61,23 +73,32 @@ class Preset:
 
     @property
     def m(self) -> float:
-        """RMS facet slope; 0 for a smooth interface."""
-        value = self.parameters["m"]
+        """RMS facet slope; 0 for a smooth interface, and for a model that has none."""
+        value = self.parameters.get("m", 0.0)
         assert isinstance(value, float)  # noqa: S101 - one number by RANGES; only colours are tuples
         return value
 
+    @property
+    def transparent(self) -> bool:
+        """Whether light goes through it."""
+        return self.model in TRANSPARENT
+
     def reference_fresnel(self) -> Fresnel:
-        """F of the reference."""
-        values = [self.parameters[key] for key in FRESNEL_KEYS[self.fresnel]]
+        """F of the reference, for models that have one."""
         kinds: dict[str, Callable[..., Fresnel]] = {
             "schlick": Schlick,
             "dielectric": Dielectric,
             "conductor": Conductor,
         }
-        return kinds[self.fresnel](*values)
+        return kinds[self.kind](*(self.parameters[key] for key in FRESNEL_KEYS[self.kind]))
 
-    def reference(self) -> CookTorrance | Smooth:
+    def reference(self) -> CookTorrance | Smooth | OrenNayar | Glass:
         """The model of the reference that this preset stands for."""
+        values: dict[str, Any] = self.parameters
+        if self.model == "oren_nayar":
+            return OrenNayar(values["albedo"], values["sigma"], qualitative=self.kind == "qualitative")
+        if self.model == "glass":
+            return Glass(self.m, values["eta"], values["tint"], thin=self.kind == "thin")
         F = self.reference_fresnel()
         return Smooth(F) if self.m == 0 else CookTorrance(self.m, F)
 
@@ -97,22 +118,29 @@ def parse(text: str, identity: str, where: str) -> Preset:
     except tomllib.TOMLDecodeError as error:
         message = f"{where}: not valid TOML: {error}"
         raise PresetError(message) from error
+    model = _typed(where, "model", data.get("model", next(iter(MODELS))), str)
+    if model not in MODELS:
+        message = f'{where}: unknown model "{model}"; use one of {", ".join(MODELS)}'
+        raise PresetError(message)
+    numbers = MODELS[model]
     for key, value in data.items():
-        _known(where, key, TOP_KEYS)
-        _typed(where, key, value, TOP_KEYS[key])
-    for key in ("name", "model", "m", "fresnel", "source"):
+        _known(where, key, [*TOP_KEYS, *numbers])
+        if key in TOP_KEYS:
+            _typed(where, key, value, TOP_KEYS[key])
+    needed = [key for key in numbers if key not in DEFAULTS] + ["fresnel"] * (model not in KINDS)
+    for key in ("name", "model", *needed, "source"):
         if key not in data:
             message = f'{where}: "{key}" is missing; add {_example(key)}'
             raise PresetError(message)
-    if data["model"] not in MODELS:
-        message = f'{where}: unknown model "{data["model"]}"; use one of {", ".join(MODELS)}'
-        raise PresetError(message)
-    fresnel = _fresnel_kind(where, data["fresnel"])
-    parameters = {"m": _number(where, "m", data["m"])}
-    parameters |= {key: _number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[fresnel]}
+    parameters = {key: _number(where, key, data.get(key, DEFAULTS.get(key))) for key in numbers}
+    if model in KINDS:
+        kind = _kind(where, model, data)
+    else:
+        kind = _fresnel_kind(where, data["fresnel"])
+        parameters |= {key: _number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[kind]}
     source = _source(where, data["source"])
     tags = tuple(_typed(where, "tags", tag, str) for tag in data.get("tags", []))
-    return Preset(identity, data["name"], data["model"], fresnel, parameters, source, tags, data.get("notes", ""))
+    return Preset(identity, data["name"], model, kind, parameters, source, tags, data.get("notes", ""))
 
 
 def load(path: Path) -> Preset:
@@ -210,6 +238,18 @@ def _in_range(where: str, key: str, value: Any) -> float:
     return number
 
 
+def _kind(where: str, model: str, data: dict[str, Any]) -> str:
+    """The kind of a model that is not told by its Fresnel term."""
+    if "fresnel" in data:
+        message = f"{where}: model {model} takes no [fresnel]; leave it out"
+        raise PresetError(message)
+    kind = str(data.get("kind", KINDS[model][0]))
+    if kind not in KINDS[model]:
+        message = f'{where}: kind of {model} must be one of {", ".join(KINDS[model])}, got "{kind}"'
+        raise PresetError(message)
+    return kind
+
+
 def _fresnel_kind(where: str, table: dict[str, Any]) -> str:
     for key in table:
         _known(where, key, ("f0", "eta", "n", "k"))
@@ -235,6 +275,9 @@ def _example(key: str) -> str:
         "name": 'name = "Copper"',
         "model": 'model = "cook_torrance"',
         "m": "m = 0.3",
+        "eta": "eta = 1.5",
+        "albedo": "albedo = [0.5, 0.5, 0.5]",
+        "sigma": "sigma = 0.3",
         "fresnel": "a table [fresnel] with f0, eta, or n and k",
         "source": 'a table [source] with data = "author, year, page"',
     }[key]

@@ -14,7 +14,7 @@ import numpy as np
 from ..nodegroups import lamp
 from . import lamps
 from .files import replacing
-from .material import EVERY_LAMP, NATIVE, binds
+from .material import BUILDERS, EVERY_LAMP, NATIVE, binds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -40,11 +40,15 @@ class Problem:
     mend: Callable[[], None] | None = None
 
 
-def problems(scene: Scene, backend: str, estimator: str, m: float = 0.0) -> list[Problem]:
+def problems(scene: Scene, backend: str, estimator: str, m: float = 0.0, model: str = "cook_torrance") -> list[Problem]:
     """What is wrong with ``scene`` for this choice, the gravest first."""
     found = list(_engine_problems(scene, backend))
+    known = BUILDERS[model]
+    if estimator not in known:
+        text = f"This material has no {estimator.title()}; choose {', '.join(map(str.title, known))} or Automatic"
+        return [*found, Problem("model", text)]
     if estimator in {"mirror", "hybrid"}:
-        found += _mirror_problems(scene, estimator)
+        found += _mirror_problems(scene, estimator, model)
     if estimator == "direct":
         found += _direct_problems(scene)
     if estimator in EVERY_LAMP:
@@ -67,10 +71,10 @@ def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
         yield Problem("osl", text, "Switch OSL On", lambda: _set(cycles, shading_system=True))
 
 
-def _mirror_problems(scene: Scene, estimator: str = "mirror") -> Iterator[Problem]:
+def _mirror_problems(scene: Scene, estimator: str = "mirror", model: str = "cook_torrance") -> Iterator[Problem]:
     cycles, world, name = scene.cycles, scene.world, estimator.title()
     part = "" if estimator == "mirror" else " but Fit's share"
-    bound = lamps_to_bind(scene, estimator)
+    bound = lamps_to_bind(scene, estimator, model)
     sought = [item for item in lamps.of_scene(scene) if item not in bound]
     pointlike = [item for item in sought if lamps.size(item) == 0.0]
     if pointlike:
@@ -85,8 +89,12 @@ def _mirror_problems(scene: Scene, estimator: str = "mirror") -> Iterator[Proble
         yield Problem("world", text, "Sample the World", lambda: _set(world.cycles, sampling_method="AUTOMATIC"))
     small = [item for item in sought if lamps.size(item) > 0.0 and is_small(item)]
     if small:
-        text = f"{name} seldom hits small lamps and is noisy: {_names(small)}. Of size 0 they are bound when you apply"
-        yield Problem("small", text, "Set Their Size to 0", lambda: _set_size(small, 0.0))
+        text = f"{name} seldom hits small lamps and is noisy: {_names(small)}"
+        if binds(estimator, 0.0, model):
+            more = ". Of size 0 they are bound when you apply"
+            yield Problem("small", text + more, "Set Their Size to 0", lambda: _set_size(small, 0.0))
+        else:
+            yield Problem("small", f"{text}; make them larger, or choose Closure")
     if cycles.use_adaptive_sampling:
         text = f"Noise Threshold stops pixels that have not yet found a light, which darkens {name}"
         yield Problem("adaptive", text, "Switch Noise Threshold Off", lambda: _set(cycles, use_adaptive_sampling=False))
@@ -166,29 +174,43 @@ class Pick:
     why: str
 
 
-def pick(scene: Scene, m: float) -> Pick:
+def pick(scene: Scene, m: float = 0.3, model: str = "cook_torrance") -> Pick:
     """``auto``: what has the least error at the scene's sample count, bias and noise together (docs/error.md)."""
-    shown = lamps.of_scene(scene)
-    if m > 1.0:
-        blind = {"size", "mis", "world", "small"}
-        if any(problem.key in blind for problem in _mirror_problems(scene)):
-            return Pick("corrected", "beyond m = 1 only the formula at lamps is right; the rest is shown as m = 1")
+    hidden = {"size", "mis", "world", "small"}  # from random rays, or nearly so
+    unseen = any(problem.key in hidden for problem in _mirror_problems(scene, model=model))
+    if model == "oren_nayar":
+        return Pick("fit", "it sees every light and has no added noise")
+    return _pick_glass(m, unseen=unseen) if model == "glass" else _pick_cook_torrance(scene, m, unseen=unseen)
+
+
+def _pick_glass(m: float, *, unseen: bool) -> Pick:
+    if m == 0.0:
+        return Pick("mirror", "a smooth interface is exact and draws no random facets")
+    if unseen:
+        return Pick("closure", "random facets would seldom or never hit these lights")
+    return Pick("mirror", "rays readily hit every light, and it is exact")
+
+
+def _pick_cook_torrance(scene: Scene, m: float, *, unseen: bool) -> Pick:
+    if m > 1.0 and not unseen:
         return Pick("mirror", "beyond m = 1 Cycles' closures end, and rays readily hit every light")
-    if shown and any(lamps.refusal(item) is None for item in shown):
+    if m > 1.0:
+        return Pick("corrected", "beyond m = 1 only the formula at lamps is right; the rest is shown as m = 1")
+    if any(lamps.refusal(item) is None for item in lamps.of_scene(scene)):
         return Pick("corrected", "lamps are exact by the formula, and the rest has no added noise")
     samples = scene.cycles.samples
     return Pick("fit", f"at {samples} samples its bias is below the noise that a random facet would add")
 
 
-def pick_estimator(scene: Scene, m: float) -> str:
+def pick_estimator(scene: Scene, m: float = 0.3, model: str = "cook_torrance") -> str:
     """The estimator of ``pick``."""
-    return pick(scene, m).estimator
+    return pick(scene, m, model).estimator
 
 
-def lamps_to_bind(scene: Scene, estimator: str) -> tuple[Object, ...]:
+def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") -> tuple[Object, ...]:
     """The strongest lamps that the material evaluates itself, as ``binds`` says for their size."""
     followed = [item for item in lamps.of_scene(scene) if lamps.refusal(item) is None]
-    return tuple(item for item in followed if binds(estimator, lamps.size(item)))[: lamps.LIMIT]
+    return tuple(item for item in followed if binds(estimator, lamps.size(item), model))[: lamps.LIMIT]
 
 
 # The preview scene

@@ -11,7 +11,7 @@ from . import fresnel, osl_script, shading_normal
 if TYPE_CHECKING:
     from bpy.types import Node
 
-    from ._tree import Tree, Value
+    from ._tree import Number, Tree, Value
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ def interface(tree: Tree, kind: str, *, m_high: float) -> Inputs:
     return Inputs(parameters, m, shading_normal.interface(tree))
 
 
-def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Value) -> Node:
+def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:
     """The OSL shader ``cook_torrance_ESTIMATOR`` fed by these inputs."""
     return osl_script.script(
         tree,

@@ -138,7 +138,7 @@ def share(tree: Tree, slope: Value, N: Value, bound: Value) -> Value:
         return clamp(result)
 
 
-def _polynomial(tree: Tree, rows: list[list[Number]], y: Value, n: Value) -> Value:
+def _polynomial(tree: Tree, rows: Sequence[Sequence[Number]], y: Value, n: Value) -> Value:
     """Sum of c_jk y^j n^k by Horner's rule."""
     *rest, last = (_horner(row, n) for row in rows)
     result = last

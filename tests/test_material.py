@@ -56,7 +56,7 @@ def test_what_an_estimator_does_not_need_is_left_out(blender):
         assert ("ShaderNodeScript" in inside) == (choice.backend == "osl" and choice.estimator != "direct")
         assert "ShaderNodeRaycast" not in inside
         assert made.node_tree.animation_data is None
-        assert made.cycles.use_bump_map_correction == (choice.estimator not in material.TILTED)
+        assert made.cycles.use_bump_map_correction == (choice.estimator in material.UPRIGHT)
 
 
 def test_building_twice_gives_one_material(blender):
@@ -161,12 +161,62 @@ def test_mirror_with_a_lamp_of_zero_size_sees_it_by_the_formula(blender):
     np.testing.assert_allclose(images[1], images[0], rtol=1e-6)  # an Add Shader between: one rounding
 
 
-def test_the_estimator_auto_is_exact_where_it_can_be(blender):
-    """Mirror, unless a lamp of zero size cannot be bound or a light is hidden from its rays."""
+def test_auto_takes_the_formula_at_lamps_and_else_what_adds_no_noise(blender):
+    """And says why; each model has its own."""
     stage = blender.context.scene
-    assert scene.pick_estimator(stage) == "mirror"
+    assert scene.pick_estimator(stage) == "fit"
+    assert scene.pick_estimator(stage, 0.0, "glass") == "mirror"
+    assert scene.pick_estimator(stage, 0.3, "oren_nayar") == "fit"
+    assert scene.pick_estimator(stage, 2.0) == "mirror"
     area = blender.data.lights.new("Area", "AREA")
     stage.collection.objects.link(blender.data.objects.new("Area", area))
-    assert scene.pick_estimator(stage) == "mirror"
+    assert scene.pick_estimator(stage) == "corrected"
+    assert "lamps are exact" in scene.pick(stage).why
     area.cycles.use_multiple_importance_sampling = False
-    assert scene.pick_estimator(stage) == "fit"
+    assert scene.pick_estimator(stage, 2.0) == "corrected"
+    assert scene.pick_estimator(stage, 0.3, "glass") == "closure"
+
+
+OTHERS = [preset for preset in presets.all_presets().values() if preset.model != "cook_torrance"]
+
+
+@pytest.mark.parametrize("backend", material.BACKENDS)
+@pytest.mark.parametrize("preset", OTHERS, ids=lambda preset: preset.id)
+def test_glass_and_rough_surfaces_build_by_every_estimator_that_they_have(blender, preset, backend):
+    """One group whose inputs are the preset's numbers, built once; what there is not is refused in one line."""
+    for estimator in material.BUILDERS[preset.model]:
+        choice = Choice(backend, estimator)
+        made = build(preset, choice)
+        assert build(preset, choice) is made
+        node = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
+        assert ("Slope m" in node.inputs) == (preset.m > 0)
+        for key, value in preset.parameters.items():
+            if material.SOCKETS[key] in node.inputs:
+                socket = node.inputs[material.SOCKETS[key]]
+                got = tuple(socket.default_value)[:3] if isinstance(value, tuple) else socket.default_value
+                assert got == pytest.approx(value, rel=1e-7)
+    for estimator in set(material.ESTIMATORS) - set(material.BUILDERS[preset.model]):
+        with pytest.raises(MaterialError, match=f'which has no estimator "{estimator}"; use one of'):
+            build(preset, Choice(backend, estimator))
+
+
+@pytest.mark.parametrize("preset", [*OTHERS, presets.find("lecture/copper")], ids=lambda preset: preset.id)
+def test_every_model_renders_finite_light_by_what_auto_picks(blender, preset):
+    """Under a white sky with a lamp: no NaN, nothing negative, nothing black."""
+    with headless.quiet(), gonio.stage((32, 32), samples=16, seed=0, shading_osl=False) as stage:
+        gonio.light(stage, gonio.Geometry(furnace=True))
+        lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "AREA"))
+        lamp.location = (0, 0, 4)
+        stage.collection.objects.link(lamp)
+        stage.view_layers[0].update()
+        estimator = scene.pick_estimator(stage, preset.m, preset.model)
+        bound = scene.lamps_to_bind(stage, estimator, preset.model)
+        gonio._patch(stage, build(preset, Choice("nodes", estimator, bound)))
+        camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+        camera.location = (0, 0, 3)
+        stage.collection.objects.link(camera)
+        stage.camera = camera
+        image = gonio.rendered(stage)
+    assert np.isfinite(image).all()
+    assert image.min() >= 0.0
+    assert image.mean() > 0.05

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets: the lecture's six to the digit, and one clear line for whatever is wrong with a file."""
 
+import re
+
+import numpy as np
 import pytest
 
 from vgroove.addon import presets
-from vgroove.addon.presets import PresetError, find, load, load_folder, parse
+from vgroove.addon.presets import RANGES, PresetError, find, load, load_folder, parse
+from vgroove.addon.reference import Glass, OrenNayar, albedo, spherical
 
 GOOD = 'name = "A"\nmodel = "cook_torrance"\nm = 0.3\n[fresnel]\nf0 = [0.9, 0.6, 0.5]\n[source]\ndata = "somewhere"\n'
 
@@ -100,3 +104,60 @@ def test_search_looks_into_names_and_tags():
     assert [preset.id for preset in presets.search("metal")] == ["lecture/aluminium", "lecture/copper"]
     assert len(presets.search("")) >= len(LECTURE)
     assert presets.search("no such thing") == []
+
+
+GLASS = 'name = "G"\nmodel = "glass"\nm = 0.1\neta = 1.5\n[source]\ndata = "x"\n'
+ROUGH = 'name = "R"\nmodel = "oren_nayar"\nalbedo = [0.5, 0.5, 0.5]\nsigma = 0.3\n[source]\ndata = "x"\n'
+
+
+def test_a_preset_says_whether_light_goes_through():
+    """Glass is transparent; reflections and rough surfaces are opaque."""
+    assert parse(GLASS, "a/g", "g").transparent
+    assert not parse(ROUGH, "a/r", "r").transparent
+    assert not find("lecture/water").transparent
+    assert find("dielectrics/water").transparent
+
+
+def test_presets_of_every_model_give_the_model_of_the_reference():
+    """With the numbers that they hold, and the kind."""
+    assert parse(GLASS, "a/g", "g").reference() == Glass(0.1, 1.5, (1.0, 1.0, 1.0))
+    assert parse(GLASS.replace("m =", 'kind = "thin"\nm ='), "a/g", "g").reference().thin
+    assert parse(ROUGH, "a/r", "r").reference() == OrenNayar((0.5, 0.5, 0.5), 0.3)
+    assert parse(ROUGH.replace("sigma", 'kind = "qualitative"\nsigma'), "a/r", "r").reference().qualitative
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (GLASS.replace("eta = 1.5", "eta = 99"), "eta must be between 0.1 and 10, got 99"),
+        (GLASS.replace("eta = 1.5\n", ""), '"eta" is missing; add eta = 1.5'),
+        (GLASS.replace("m = 0.1", "m = nan"), "m must be between"),
+        (GLASS.replace("m = 0.1", "sigma = 0.1"), 'unknown key "sigma"'),
+        (
+            GLASS.replace("m = 0.1", 'kind = "thick"\nm = 0.1'),
+            'kind of glass must be one of interface, thin, got "thick"',
+        ),
+        (GLASS + "[fresnel]\neta = 1.5\n", "model glass takes no"),
+        (GLASS.replace("m = 0.1", "tint = [1, 2, 1]\nm = 0.1"), "tint must be between 0 and 1, got 2"),
+        (ROUGH.replace("[0.5, 0.5, 0.5]", "1.0"), "albedo must be between 0 and 0.95, got 1"),
+        (ROUGH.replace("sigma = 0.3", "sigma = 2"), "sigma must be between 0 and 1.5708, got 2"),
+        (ROUGH.replace("sigma = 0.3\n", ""), '"sigma" is missing; add sigma = 0.3'),
+        (ROUGH.replace("albedo = [0.5, 0.5, 0.5]\n", ""), '"albedo" is missing'),
+    ],
+)
+def test_bad_glass_and_bad_rough_surfaces_are_one_line(text, message):
+    """What, where, and how to mend it."""
+    with pytest.raises(PresetError, match=re.escape(message)) as error:
+        parse(text, "a/b", "a/b.toml")
+    assert str(error.value).startswith("a/b.toml: ")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("kind", ["full", "qualitative"])
+def test_the_whitest_rough_surface_sends_back_no_more_than_arrives(kind):
+    """At the highest albedo that a preset may have, at every sigma and view."""
+    wo = spherical(np.radians([0.0, 30.0, 60.0, 75.0, 85.0, 89.0, 89.9]))
+    for sigma in (0.0, 0.1, 0.2, 0.3, 0.45, 0.7, 1.0, np.pi / 2):
+        preset = parse(ROUGH.replace("sigma", f'kind = "{kind}"\nsigma'), "a/r", "r")
+        white = preset.with_parameters(albedo=RANGES["albedo"][1], sigma=sigma).reference()
+        assert np.max(albedo(white, wo)) <= 1.0

@@ -83,7 +83,7 @@ def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = 
 def grazing(wo: Floats, m: ArrayLike) -> Floats:
     """x = m s / (c + m s), (...): 0 head-on, 1 at grazing."""
     c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
-    return m * s / np.maximum(c + m * s, 1e-300)
+    return np.asarray(m * s / np.maximum(c + m * s, 1e-300), dtype=np.float64)
 
 
 def shaped(m: Floats, x: Floats, s: Floats, weight: Floats, anisotropy: Floats, tilt: Floats, across: Floats) -> Lobes:

@@ -32,7 +32,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         estimator = chosen_estimator(context.scene)
         try:
             preset = presets.find(settings.preset)
-            lamps = scene.lamps_to_bind(context.scene, estimator)
+            lamps = scene.lamps_to_bind(context.scene, estimator, preset.model)
             made = material.build(preset, material.Choice(settings.backend, estimator, lamps))
         except (presets.PresetError, material.MaterialError, OslError) as error:
             self.report({"ERROR"}, str(error))
@@ -83,13 +83,14 @@ def chosen(shown: bpy.types.Scene) -> scene.Pick:
     """The panel's estimator and, where ``auto`` picked it, why."""
     if shown.vgroove.estimator != "auto":
         return scene.Pick(shown.vgroove.estimator, "")
-    return scene.pick(shown, presets.find(shown.vgroove.preset).m)
+    preset = presets.find(shown.vgroove.preset)
+    return scene.pick(shown, preset.m, preset.model)
 
 
 def current_problems(shown: bpy.types.Scene) -> list[scene.Problem]:
     """What is wrong with the scene for the panel's choices."""
-    m = presets.find(shown.vgroove.preset).m
-    return scene.problems(shown, shown.vgroove.backend, chosen_estimator(shown), m)
+    preset = presets.find(shown.vgroove.preset)
+    return scene.problems(shown, shown.vgroove.backend, chosen_estimator(shown), preset.m, preset.model)
 
 
 CLASSES = (VGROOVE_OT_apply, VGROOVE_OT_mend)

@@ -52,13 +52,14 @@ _items: list[tuple[str, str, str, int]] = []  # Blender keeps no reference to th
 
 def _tip(preset: presets.Preset) -> str:
     numbers = ", ".join(f"{key} {value}" for key, value in preset.parameters.items())
-    return f"Reflection of {preset.name.lower()}: {numbers}. Source: {preset.source['data']}. {preset.notes}".strip()
+    what = {"cook_torrance": "Reflection of ", "glass": "Transparent "}.get(preset.model, "Rough ")
+    return f"{what}{preset.name.lower()}: {numbers}. Source: {preset.source['data']}. {preset.notes}".strip()
 
 
 def preset_items(_self: object, _context: object) -> list[tuple[str, str, str, int]]:
     """Enum items of all presets, read from disk once."""
     if not _items:
-        found = presets.all_presets().values()
+        found = sorted(presets.all_presets().values(), key=lambda p: (p.family != presets.FIRST_FAMILY, p.id))
         _items.extend((p.id, f"{p.name} ({p.family})", _tip(p), i) for i, p in enumerate(found))
     return _items
 
