@@ -19,6 +19,7 @@ from ..nodegroups import (
     cook_torrance_fit,
     cook_torrance_hybrid,
     cook_torrance_mirror,
+    eevee,
     fresnel,
     glass_closure,
     glass_mirror,
@@ -34,10 +35,11 @@ from .presets import M_RANGE
 from .reference.cook_torrance_fit import BOUNDS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from bpy.types import Material, Node, Object, ShaderNodeTree
 
+    from ..nodegroups._tree import Tree
     from .presets import Preset
 
 BACKENDS = ("nodes", "osl")
@@ -144,6 +146,11 @@ def build(preset: Preset, choice: Choice) -> Material:
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     output.location = (300, 0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
+    if eevee.OUTPUT in node.outputs:
+        output.target = "CYCLES"
+        shown = tree.nodes.new("ShaderNodeOutputMaterial")
+        shown.target, shown.location = "EEVEE", (300, -160)
+        tree.links.new(node.outputs[eevee.OUTPUT], shown.inputs["Surface"])
     _show_in_solid_view(material, preset)
     material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
@@ -209,10 +216,18 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
     name, arguments = _form(preset)
     if choice.estimator not in NATIVE and preset.model != "glass":
         arguments["lamps"] = len(choice.lamps)
+    label = f"{module.NAME} {name}".strip()
     if choice.lamps:
-        name += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
-    name = f"{module.NAME} {name}".strip() + _suffix(choice)
-    return nodegroups.ensure(name, module.REVISION, partial(build_group, **arguments))
+        label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
+    build = partial(build_group, **arguments)
+    if choice.estimator != "closure":
+        build = partial(_with_eevee, build, _group(preset, Choice("nodes", "closure")))
+    return nodegroups.ensure(label + _suffix(choice), module.REVISION, build)
+
+
+def _with_eevee(build_group: Callable[[Tree], None], closure: ShaderNodeTree, tree: Tree) -> None:
+    build_group(tree)
+    eevee.add_closure(tree, closure)
 
 
 def _form(preset: Preset) -> tuple[str, dict[str, Any]]:

@@ -106,6 +106,10 @@ class Tree:
         item.min_value, item.max_value, item.default_value, item.hide_value = low, high, default, hide_value
         return self._from_input()
 
+    def given(self, name: str) -> Value:
+        """The input made before under this name."""
+        return Value(self, self._input.outputs[name])
+
     def output_float(self, name: str, value: Number, *, tip: str) -> None:
         self._to_output(name, "NodeSocketFloat", value, tip)
 

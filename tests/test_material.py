@@ -29,10 +29,12 @@ def kinds_inside(tree):
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda c: f"{c.backend}-{c.estimator}")
 @pytest.mark.parametrize("fresnel", FRESNELS)
 def test_a_material_is_one_group_and_an_output(blender, choice, fresnel):
-    """The artist sees two nodes; their inputs are the preset's numbers."""
+    """The artist sees a group and what it is linked to; its inputs are the preset's numbers."""
     preset = check.materials()[fresnel]
     made = build(preset, choice)
-    assert sorted(node.bl_idname for node in made.node_tree.nodes) == ["ShaderNodeGroup", "ShaderNodeOutputMaterial"]
+    outputs = 1 if choice.estimator == "closure" else 2  # of which one is EEVEE's
+    kinds = ["ShaderNodeGroup", *["ShaderNodeOutputMaterial"] * outputs]
+    assert sorted(node.bl_idname for node in made.node_tree.nodes) == kinds
     node = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
     names = [socket.name for socket in node.inputs]
     bound = ["Bound"] * (choice.estimator == "hybrid")
@@ -220,3 +222,22 @@ def test_every_model_renders_finite_light_by_what_auto_picks(blender, preset):
     assert np.isfinite(image).all()
     assert image.min() >= 0.0
     assert image.mean() > 0.05
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=lambda c: f"{c.backend}-{c.estimator}")
+def test_eevee_shows_the_closure_of_the_same_inputs(blender, choice):
+    """A slope that an artist turns reaches both; Cycles gets the estimator alone."""
+    made = build(check.materials()["schlick"], choice)
+    outputs = {node.target: node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial"}
+    if choice.estimator == "closure":
+        assert set(outputs) == {"ALL"}
+        return
+    assert set(outputs) == {"CYCLES", "EEVEE"}
+    group = outputs["EEVEE"].inputs["Surface"].links[0].from_node
+    assert group == outputs["CYCLES"].inputs["Surface"].links[0].from_node
+    sink = next(node for node in group.node_tree.nodes if node.bl_idname == "NodeGroupOutput")
+    closure = sink.inputs["EEVEE"].links[0].from_node
+    assert closure.node_tree.name.startswith("VGroove Cook-Torrance Closure")
+    for socket in closure.inputs:
+        assert socket.links[0].from_socket.name == socket.name
+        assert socket.links[0].from_node.bl_idname == "NodeGroupInput"
