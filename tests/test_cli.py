@@ -214,3 +214,16 @@ def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
         check, "plan", lambda: [(lambda *a: original(*a).scaled(1.01), (check.SETUPS[0], "schlick", 0.3))]
     )
     assert cli._run(lambda: cli.app(["check"], standalone_mode=False)) == 1
+
+
+def test_explain_says_what_is_built_and_what_is_not():
+    """The estimator and its reason, what was left out, and the same in one line for what cannot be."""
+    result = vgroove("explain", "copper")
+    assert result.returncode == 0
+    text = " ".join(result.stdout.split())
+    for part in ("estimator corrected", "lamps are exact", "left out", "transmission", "random numbers"):
+        assert part in text
+    assert "smooth interface" in " ".join(vgroove("explain", "dielectrics/water").stdout.split())
+    refused = vgroove("explain", "dielectrics/water", "--estimator", "fit")
+    assert refused.returncode == 2
+    assert 'which has no estimator "fit"; use one of closure, mirror' in refused.stderr
