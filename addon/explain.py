@@ -71,7 +71,7 @@ def _left_out(preset: Preset, pick: scene.Pick, shown: Scene, made: Material) ->
         others = [kind for kind in FRESNEL if kind != preset.kind]
         yield Line(f"Fresnel terms: {', '.join(others)}", "the preset needs one", kept=False)
     yield Line("time", "the preset does not change: no drivers of time, no keys", kept=False)
-    if preset.model != "oren_nayar":
+    if preset.model not in {"oren_nayar", "sum"}:
         yield Line("diffuse part", "the preset has none", kept=False)
     if not preset.transparent:
         yield Line("transmission", "the preset is opaque", kept=False)

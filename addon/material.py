@@ -30,6 +30,7 @@ from ..nodegroups import (
     oren_nayar_fit,
     oren_nayar_mirror,
 )
+from ..nodegroups import sum as sum_group
 from . import lamps as lamp_binding
 from .presets import M_RANGE
 from .reference.cook_torrance_fit import BOUNDS
@@ -60,6 +61,7 @@ BUILDERS: dict[str, dict[str, Any]] = {
         "direct": oren_nayar_direct,
     },
     "glass": {"closure": glass_closure, "mirror": glass_mirror},
+    "sum": dict.fromkeys(("fit", "closure", "mirror", "direct"), sum_group),
 }
 UPRIGHT = {"closure", "direct"}  # estimators whose closures do not lean: others would be bent by Bump Map Correction
 NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
@@ -159,8 +161,15 @@ def build(preset: Preset, choice: Choice) -> Material:
     return material
 
 
+# Reference name -> group input
 SOCKETS = {"m": "Slope m", "f0": "F0", "eta": "IOR", "n": "n", "k": "k"}
-SOCKETS |= {"albedo": "Base Color", "sigma": "Sigma", "tint": "Tint"}  # reference name -> group input
+SOCKETS |= {"albedo": "Base Color", "sigma": "Sigma", "tint": "Tint", "d": "Diffuse", "s": "Specular"}
+    "albedo": "Base Color",
+    "sigma": "Sigma",
+    "tint": "Tint",
+    "d": "Diffuse",
+    "s": "Specular",
+}  # reference name -> group input
 
 
 def apply(material: Material, objects: Sequence[Object]) -> int:
@@ -212,11 +221,16 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
         message = f"{preset.id} is {preset.model}, which evaluates no lamps by itself; leave lamps empty"
         raise MaterialError(message)
     module = known[choice.estimator]
-    build_group = module.build if choice.backend == "nodes" else module.build_osl
     name, arguments = _form(preset)
-    if choice.estimator not in NATIVE and preset.model != "glass":
-        arguments["lamps"] = len(choice.lamps)
     label = f"{module.NAME} {name}".strip()
+    if preset.model == "sum":
+        label += f" {choice.estimator.title()}"
+        build_group = module.build
+        arguments = {part: _group(of, choice) for part, of in preset.parts().items()}
+    else:
+        build_group = module.build if choice.backend == "nodes" else module.build_osl
+        if choice.estimator not in NATIVE and preset.model != "glass":
+            arguments["lamps"] = len(choice.lamps)
     if choice.lamps:
         label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
     build = partial(build_group, **arguments)
@@ -235,7 +249,7 @@ def _form(preset: Preset) -> tuple[str, dict[str, Any]]:
     if preset.model == "glass":
         thin, smooth = preset.kind == "thin", preset.m == 0
         return " ".join(["Thin"] * thin + ["Smooth"] * smooth), {"thin": thin, "smooth": smooth}
-    labels = fresnel.LABELS if preset.model == "cook_torrance" else oren_nayar.LABELS
+    labels = oren_nayar.LABELS if preset.model == "oren_nayar" else fresnel.LABELS
     return labels[preset.kind], {"kind": preset.kind}
 
 

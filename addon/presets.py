@@ -11,7 +11,8 @@
     trust = "what is measured and what is chosen"
 
 Other models take their numbers at the top: "oren_nayar" albedo (RGB), sigma and kind "full" or "qualitative"; "glass",
-which is transparent, m, eta, tint (RGB) and kind "interface" or "thin" (a sheet of it).
+which is transparent, m, eta, tint (RGB) and kind "interface" or "thin" (a sheet of it); "sum", a diffuse part under a
+specular one, d, s, albedo, sigma, m and [fresnel].
 
 Imports no bpy.
 """
@@ -26,7 +27,7 @@ from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .reference import Conductor, CookTorrance, Dielectric, Fresnel, Glass, OrenNayar, Schlick, Smooth
+from .reference import Conductor, CookTorrance, Dielectric, Fresnel, Glass, OrenNayar, Schlick, Smooth, Sum
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).parent.parent / "presets"
 FIRST_FAMILY = "lecture"  # wins where a bare name is ambiguous
 MODELS = {"cook_torrance": ("m",), "oren_nayar": ("albedo", "sigma"), "glass": ("m", "eta", "tint")}  # their numbers
+MODELS["sum"] = ("d", "s", *MODELS["oren_nayar"], *MODELS["cook_torrance"])
 KINDS = {"oren_nayar": ("full", "qualitative"), "glass": ("interface", "thin")}  # the first where none is given
 TRANSPARENT = {"glass"}
 DEFAULTS = {"tint": (1.0, 1.0, 1.0)}
@@ -41,7 +43,7 @@ FRESNEL_KEYS = {"schlick": ("f0",), "dielectric": ("eta",), "conductor": ("n", "
 M_RANGE = (1e-4, 10.0)  # what float32 shaders keep finite; 0 stands for a smooth interface
 RANGES = {"m": M_RANGE, "f0": (0.0, 1.0), "eta": (0.1, 10.0), "n": (0.0, 20.0), "k": (0.0, 20.0)}
 # White Oren-Nayar as published sends back up to 1.051 of what arrives; below 0.95 no direction exceeds 1.
-RANGES |= {"albedo": (0.0, 0.95), "sigma": (0.0, pi / 2), "tint": (0.0, 1.0)}
+RANGES |= {"d": (0.0, 1.0), "s": (0.0, 1.0), "albedo": (0.0, 0.95), "sigma": (0.0, pi / 2), "tint": (0.0, 1.0)}
 RGB = {"f0", "n", "k", "albedo", "tint"}
 TOP_KEYS = {"name": str, "model": str, "kind": str, "fresnel": dict, "source": dict, "tags": list, "notes": str}
 SOURCE_KEYS = ("data", "licence", "trust")
@@ -92,23 +94,38 @@ class Preset:
         }
         return kinds[self.kind](*(self.parameters[key] for key in FRESNEL_KEYS[self.kind]))
 
-    def reference(self) -> CookTorrance | Smooth | OrenNayar | Glass:
+    def reference(self) -> CookTorrance | Smooth | OrenNayar | Glass | Sum:
         """The model of the reference that this preset stands for."""
         values: dict[str, Any] = self.parameters
         if self.model == "oren_nayar":
             return OrenNayar(values["albedo"], values["sigma"], qualitative=self.kind == "qualitative")
         if self.model == "glass":
             return Glass(self.m, values["eta"], values["tint"], thin=self.kind == "thin")
+        if self.model == "sum":
+            diffuse, specular = (part.reference() for part in self.parts().values())
+            return Sum(diffuse, specular, values["d"], values["s"])
         F = self.reference_fresnel()
         return Smooth(F) if self.m == 0 else CookTorrance(self.m, F)
+
+    def parts(self) -> dict[str, Preset]:
+        """The diffuse and the specular part of a sum, each as a preset."""
+        models = {"diffuse": ("oren_nayar", KINDS["oren_nayar"][0]), "specular": ("cook_torrance", self.kind)}
+        return {
+            part: replace(self, model=model, kind=kind, parameters={
+                key: value for key, value in self.parameters.items()
+                if key in MODELS[model] or (part == "specular" and key in FRESNEL_KEYS[kind])
+            })
+            for part, (model, kind) in models.items()
+        }  # fmt: skip
 
     def with_parameters(self, **changes: Any) -> Preset:
         """A copy with some parameters changed; raises PresetError for an unknown name or a value out of range."""
         where = f"preset {self.id}"
         for key in changes:
             _known(where, key, self.parameters)
-        checked = {key: _number(where, key, value) for key, value in changes.items()}
-        return replace(self, parameters={**self.parameters, **checked})
+        checked = self.parameters | {key: _number(where, key, value) for key, value in changes.items()}
+        _at_most_all(where, checked)
+        return replace(self, parameters=checked)
 
 
 def parse(text: str, identity: str, where: str) -> Preset:
@@ -138,6 +155,7 @@ def parse(text: str, identity: str, where: str) -> Preset:
     else:
         kind = _fresnel_kind(where, data["fresnel"])
         parameters |= {key: _number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[kind]}
+    _at_most_all(where, parameters)
     source = _source(where, data["source"])
     tags = tuple(_typed(where, "tags", tag, str) for tag in data.get("tags", []))
     return Preset(identity, data["name"], model, kind, parameters, source, tags, data.get("notes", ""))
@@ -238,6 +256,14 @@ def _in_range(where: str, key: str, value: Any) -> float:
     return number
 
 
+def _at_most_all(where: str, parameters: dict[str, Any]) -> None:
+    """The weights of a sum share what arrives."""
+    d, s = parameters.get("d", 0.0), parameters.get("s", 0.0)
+    if d + s > 1.0 + 1e-9:
+        message = f"{where}: d + s must be at most 1, or more light would leave than arrives; got {d:g} + {s:g}"
+        raise PresetError(message)
+
+
 def _kind(where: str, model: str, data: dict[str, Any]) -> str:
     """The kind of a model that is not told by its Fresnel term."""
     if "fresnel" in data:
@@ -278,6 +304,8 @@ def _example(key: str) -> str:
         "eta": "eta = 1.5",
         "albedo": "albedo = [0.5, 0.5, 0.5]",
         "sigma": "sigma = 0.3",
+        "d": "d = 0.6",
+        "s": "s = 0.4",
         "fresnel": "a table [fresnel] with f0, eta, or n and k",
         "source": 'a table [source] with data = "author, year, page"',
     }[key]

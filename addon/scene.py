@@ -178,7 +178,7 @@ def pick(scene: Scene, m: float = 0.3, model: str = "cook_torrance") -> Pick:
     """``auto``: what has the least error at the scene's sample count, bias and noise together (docs/error.md)."""
     hidden = {"size", "mis", "world", "small"}  # from random rays, or nearly so
     unseen = any(problem.key in hidden for problem in _mirror_problems(scene, model=model))
-    if model == "oren_nayar":
+    if model in {"oren_nayar", "sum"}:
         return Pick("fit", "it sees every light and has no added noise")
     return _pick_glass(m, unseen=unseen) if model == "glass" else _pick_cook_torrance(scene, m, unseen=unseen)
 

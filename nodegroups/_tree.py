@@ -106,6 +106,26 @@ class Tree:
         item.min_value, item.max_value, item.default_value, item.hide_value = low, high, default, hide_value
         return self._from_input()
 
+    def inputs_of(self, group: bpy.types.ShaderNodeTree) -> None:
+        """Inputs like those of another group, panels too, but for names that there are already."""
+        panels = {"": None}
+        known = {socket.name for socket in self._input.outputs}
+        for item in group.interface.items_tree:
+            if item.item_type == "PANEL":
+                kept = (
+                    p for p in self.node_tree.interface.items_tree if p.item_type == "PANEL" and p.name == item.name
+                )
+                panels[item.name] = next(kept, None) or self.node_tree.interface.new_panel(
+                    item.name, default_closed=True
+                )
+            elif item.in_out == "INPUT" and item.name not in known:
+                self._panel = panels[item.parent.name]
+                copy = self._socket(item.name, "INPUT", item.socket_type, item.description)
+                self._panel = None
+                for name in ("subtype", "min_value", "max_value", "default_value", "hide_value"):
+                    if hasattr(item, name):
+                        setattr(copy, name, getattr(item, name))
+
     def given(self, name: str) -> Value:
         """The input made before under this name."""
         return Value(self, self._input.outputs[name])

@@ -52,7 +52,7 @@ _items: list[tuple[str, str, str, int]] = []  # Blender keeps no reference to th
 
 def _tip(preset: presets.Preset) -> str:
     numbers = ", ".join(f"{key} {value}" for key, value in preset.parameters.items())
-    what = {"cook_torrance": "Reflection of ", "glass": "Transparent "}.get(preset.model, "Rough ")
+    what = {"cook_torrance": "Reflection of ", "glass": "Transparent ", "oren_nayar": "Rough "}.get(preset.model, "")
     return f"{what}{preset.name.lower()}: {numbers}. Source: {preset.source['data']}. {preset.notes}".strip()
 
 
