@@ -164,12 +164,6 @@ def build(preset: Preset, choice: Choice) -> Material:
 # Reference name -> group input
 SOCKETS = {"m": "Slope m", "f0": "F0", "eta": "IOR", "n": "n", "k": "k"}
 SOCKETS |= {"albedo": "Base Color", "sigma": "Sigma", "tint": "Tint", "d": "Diffuse", "s": "Specular"}
-    "albedo": "Base Color",
-    "sigma": "Sigma",
-    "tint": "Tint",
-    "d": "Diffuse",
-    "s": "Specular",
-}  # reference name -> group input
 
 
 def apply(material: Material, objects: Sequence[Object]) -> int:

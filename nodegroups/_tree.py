@@ -112,12 +112,9 @@ class Tree:
         known = {socket.name for socket in self._input.outputs}
         for item in group.interface.items_tree:
             if item.item_type == "PANEL":
-                kept = (
-                    p for p in self.node_tree.interface.items_tree if p.item_type == "PANEL" and p.name == item.name
-                )
-                panels[item.name] = next(kept, None) or self.node_tree.interface.new_panel(
-                    item.name, default_closed=True
-                )
+                there = self.node_tree.interface.items_tree
+                same = next((p for p in there if p.item_type == "PANEL" and p.name == item.name), None)
+                panels[item.name] = same or self.node_tree.interface.new_panel(item.name, default_closed=True)
             elif item.in_out == "INPUT" and item.name not in known:
                 self._panel = panels[item.parent.name]
                 copy = self._socket(item.name, "INPUT", item.socket_type, item.description)
