@@ -30,7 +30,7 @@ SIGMAS = (0.0, 0.1, 0.3, 0.6, 1.0, np.pi / 2)
 MIRROR_SIGMAS = (0.1, 0.3, 0.6, 1.0)
 SUN_ANGLE = 30.0
 SUN_THETAS = (20.0, 60.0, 74.0)
-NOISY_ROWS = 34  # of the plan, judged by Z-tests; they add to check.NOISY_ROWS
+NOISY_ROWS = 28  # of the plan, judged by Z-tests; they add to check.NOISY_ROWS
 FURNACE_SAMPLES = 1024
 SUN_SAMPLES = 20480
 MODULES = {
@@ -159,9 +159,11 @@ def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
     """Every row, as the function that measures it and its arguments."""
     rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
     for setup in check.SETUPS:
+        few = setup is check.SETUPS[1]  # the same nodes as in SVM, and slow to compile
         for kind in fit.KINDS:
-            rows += [(row, (setup, kind, sigma)) for row in (direct_row, closure_row, fit_row) for sigma in SIGMAS]
-            rows += [(furnace_row, (setup, kind, sigma)) for sigma in MIRROR_SIGMAS]
+            sigmas = (0.3,) if few else SIGMAS
+            rows += [(row, (setup, kind, sigma)) for row in (direct_row, closure_row, fit_row) for sigma in sigmas]
+            rows += [(furnace_row, (setup, kind, sigma)) for sigma in ((0.3,) if few else MIRROR_SIGMAS)]
         if setup is not check.SETUPS[1]:  # nodes run as OSL draw the very same directions: the furnace shows it
             rows += [(sun_row, (setup, "full", sigma)) for sigma in MIRROR_SIGMAS]
             rows.append((sun_row, (setup, "qualitative", MIRROR_SIGMAS[-1])))

@@ -117,7 +117,7 @@ def test_an_error_of_one_percent_in_the_slope_or_weight_turns_mirror_red(blender
     assert not check.furnace_row(setup, "white", m).passed
 
 
-@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[2]], ids=str)
 @pytest.mark.parametrize("fresnel", ["schlick", "dielectric", "conductor"])
 @pytest.mark.parametrize("m", [1e-4, 1e-3, 0.3, 10.0])
 @pytest.mark.parametrize("theta_i", [0.0, 89.99])
