@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error of each estimator against the V-groove model, noise and bias together, by samples, on three scenes.
 
-    python bench/error.py [--write] [--json FILE]    --write: also as docs/error.md; what FILE holds is not measured anew
+    python bench/error.py [--write] [--json FILE]   --write: also docs/error.md; what FILE holds is not measured anew
 
 A copper ball alone, so that all its light comes straight from a lamp or the world: an environment map whose brightest
 spots are held to 3, as the truth of it would need too many samples else; a softbox (an area lamp of 1 m, 2.5 m away);
