@@ -196,7 +196,8 @@ def _pick_cook_torrance(scene: Scene, m: float, *, unseen: bool) -> Pick:
         return Pick("mirror", "beyond m = 1 Cycles' closures end, and rays readily hit every light")
     if m > 1.0:
         return Pick("corrected", "beyond m = 1 only the formula at lamps is right; the rest is shown as m = 1")
-    if any(lamps.refusal(item) is None for item in lamps.of_scene(scene)):
+    shadowless = not lamp.can_cast_shadows()  # then what corrects a lamp would shine into its shadows
+    if not shadowless and any(lamps.refusal(item) is None for item in lamps.of_scene(scene)):
         return Pick("corrected", "lamps are exact by the formula, and the rest has no added noise")
     samples = scene.cycles.samples
     return Pick("fit", f"at {samples} samples its bias is below the noise that a random facet would add")

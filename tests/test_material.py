@@ -9,6 +9,7 @@ import pytest
 
 from vgroove.addon import check, gonio, headless, material, presets, scene
 from vgroove.addon.material import Choice, MaterialError, build
+from vgroove.nodegroups import lamp
 
 pytestmark = pytest.mark.blender
 
@@ -172,8 +173,9 @@ def test_auto_takes_the_formula_at_lamps_and_else_what_adds_no_noise(blender):
     assert scene.pick_estimator(stage, 2.0) == "mirror"
     area = blender.data.lights.new("Area", "AREA")
     stage.collection.objects.link(blender.data.objects.new("Area", area))
-    assert scene.pick_estimator(stage) == "corrected"
-    assert "lamps are exact" in scene.pick(stage).why
+    expected = "corrected" if lamp.can_cast_shadows() else "fit"  # 4.5 has no Raycast node for its shadows
+    assert scene.pick_estimator(stage) == expected
+    assert ("lamps are exact" in scene.pick(stage).why) == (expected == "corrected")
     area.cycles.use_multiple_importance_sampling = False
     assert scene.pick_estimator(stage, 2.0) == "corrected"
     assert scene.pick_estimator(stage, 0.3, "glass") == "closure"
@@ -207,9 +209,9 @@ def test_every_model_renders_finite_light_by_what_auto_picks(blender, preset):
     """Under a white sky with a lamp: no NaN, nothing negative, nothing black."""
     with headless.quiet(), gonio.stage((32, 32), samples=16, seed=0, shading_osl=False) as stage:
         gonio.light(stage, gonio.Geometry(furnace=True))
-        lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "AREA"))
-        lamp.location = (0, 0, 4)
-        stage.collection.objects.link(lamp)
+        item = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "AREA"))
+        item.location = (0, 0, 4)
+        stage.collection.objects.link(item)
         stage.view_layers[0].update()
         estimator = scene.pick_estimator(stage, preset.m, preset.model)
         bound = scene.lamps_to_bind(stage, estimator, preset.model)
