@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 from scipy.stats import norm
+from scipy.stats import t as student
 
 from . import gonio, headless
 from .presets import Preset, find, parse
@@ -60,7 +61,10 @@ SETUPS = (Setup("nodes", shading_osl=False), Setup("nodes", shading_osl=True), S
 
 @dataclass(frozen=True)
 class View:
-    """One measured image beside the reference of its every pixel; ``variance`` is that of the image's mean."""
+    """One measured image beside the reference of its every pixel; ``variance`` is that of the image's mean.
+
+    ``degrees``: those of freedom of a variance that is itself an estimate; infinite where the reference gives it.
+    """
 
     geometry: gonio.Geometry
     measured: NDArray[np.float64]
@@ -68,6 +72,7 @@ class View:
     bar: float = 0.0
     scale: float = 0.0
     variance: NDArray[np.float64] | None = None
+    degrees: float = np.inf
 
     @property
     def error(self) -> float:
@@ -78,13 +83,19 @@ class View:
 
     @cached_property
     def z(self) -> NDArray[np.float64]:
-        """(measured - expected) / standard error for every pixel-channel; float32 sums add to the noise."""
+        """(measured - expected) / standard error for every pixel-channel; float32 sums add to the noise.
+
+        Over an estimated error that is Student's t, returned as the normal value of the same probability.
+        """
         assert self.variance is not None
         # A sum of N float32 samples rounds by sqrt(N) 2^-24 of the mean at random; N <= 2^17 gives 2^-15.5.
         error = np.sqrt(self.variance + np.square(self.expected * 2.0**-15.5))
         difference = self.measured - self.expected
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(difference == 0, 0.0, difference / error)
+            ratio = np.where(difference == 0, 0.0, difference / error)
+        if np.isinf(self.degrees):
+            return ratio
+        return np.sign(ratio) * norm.isf(student.sf(np.abs(ratio), self.degrees))
 
 
 @dataclass
@@ -267,7 +278,7 @@ def _exact_row(
             # Where the view holds less than 2^-64 of the lobe there is only what exp() leaves of its underflow.
             lobe = float(np.max(evaluate(wi, wi * [-1.0, -1.0, 1.0])))
             scale = max(float(np.max(expected)), 2.0**-64 * lobe)
-            measured = _measure(preset, setup, test, geometry, samples=1)
+            measured = measure(preset, setup, test, geometry, samples=1)
             row.views.append(View(geometry, measured, expected, bar, scale))
     return row
 
@@ -308,7 +319,7 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     mean = np.broadcast_to(albedo(preset.reference(), column), (32, 32, 3))
     square = vgroove_albedo(column, m, preset.reference_fresnel(), moment=2)
     variance = np.maximum(square - mean**2, 0.0) / FURNACE_SAMPLES
-    measured = _measure(preset, setup, "mirror", geometry, samples=FURNACE_SAMPLES)
+    measured = measure(preset, setup, "mirror", geometry, samples=FURNACE_SAMPLES)
     return Row("mirror, furnace", setup, fresnel, m, [View(geometry, measured, mean, variance=variance)])
 
 
@@ -330,7 +341,7 @@ def sun_row(setup: Setup, fresnel: str, m: float) -> Row:
             density = model.pdf(wi, wo)[..., None]
             mean += weight * radiance * f_cos
             square += weight * radiance**2 * f_cos**2 / np.where(density > 0, density, 1.0)
-        measured = _measure(preset, setup, "mirror", geometry, samples=samples)
+        measured = measure(preset, setup, "mirror", geometry, samples=samples)
         # Below 25 expected hits a count is too skewed for a normal limit: such pixels are judged together.
         hits = samples * mean[..., 0] / radiance
         pooled = [pool(image, hits) for image in (measured, mean, np.maximum(square - mean**2, 0.0) / samples)]
@@ -364,10 +375,13 @@ def pool(image: NDArray[np.float64], hits: NDArray[np.float64], enough: float = 
     return sums
 
 
-def _measure(preset: Preset, setup: Setup, test: str, geometry: gonio.Geometry, *, samples: int) -> NDArray[np.float64]:
+def measure(
+    preset: Preset, setup: Setup, estimator: str, geometry: gonio.Geometry, samples: int = 1, seed: int = 0
+) -> NDArray[np.float64]:
+    """The gonioreflectometer's image of a preset, without Blender's chatter."""
     with headless.quiet():
         image = gonio.measure_preset(
-            preset, setup.backend, test, geometry, samples=samples, shading_osl=setup.shading_osl
+            preset, setup.backend, estimator, geometry, samples=samples, seed=seed, shading_osl=setup.shading_osl
         )
     return image.astype(np.float64)
 
@@ -392,8 +406,8 @@ def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
 
 def run() -> Iterator[Row]:
     """Measure the whole plan, row by row."""
-    for measure, arguments in plan():
-        yield measure(*arguments)
+    for measure_row, arguments in plan():
+        yield measure_row(*arguments)
 
 
 def versions() -> dict[str, str]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import gonio, headless
+from . import gonio
 from .check import (
     CLOSURE_SLOPES,
     SETUPS,
@@ -25,6 +25,7 @@ from .check import (
     disc,
     fresnel_approximation,
     materials,
+    measure,
     pool,
 )
 from .reference import albedo, cook_torrance
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from .presets import Preset
     from .reference import Fresnel
 
 ESTIMATORS = ("corrected", "hybrid")
@@ -47,9 +47,8 @@ FURNACE_SAMPLES, FURNACE_SEEDS = 256, 4
 SUN_SLOPES = (0.3,)
 SUN_ANGLE = 10.0
 SUN_THETAS = (20.0, 70.0)
-# Of 32 seeds the standard deviation is known to 13 %: a limit of 4.5 is then passed by chance by 1 pixel in 12,000, of
-# which the share of 99.75 % takes account.
 SUN_SAMPLES, SUN_SEEDS = 256, 32
+NOISY_ROWS = 13  # rows of the plan that are judged by Z-tests; a test holds it to the plan
 
 
 def lamp_row(estimator: str, setup: Setup, fresnel: str, m: float) -> Row:
@@ -71,16 +70,12 @@ def lamp_row(estimator: str, setup: Setup, fresnel: str, m: float) -> Row:
             lobe = max(float(np.max(model(wi, wo, m, of))) for model in (cook_torrance, cook_torrance_fit))
             peak = float(np.max(cook_torrance(wi, wi * [-1.0, -1.0, 1.0], m, of)))
             scale = max(lobe, 2.0**-64 * peak)  # below there is only what exp() leaves of its underflow
-            measured = _measure(preset, setup, estimator, geometry)
+            measured = measure(preset, setup, estimator, geometry)
             bar = approximate or closure_bar(m)
-            row.views.append(View(geometry, np.maximum(measured, 0.0) if _rounded_to_zero(measured, scale, bar)
-                                  else measured, expected, bar, scale))  # fmt: skip
+            if np.min(measured) >= -bar * scale:  # a difference of two equal numbers may round to below 0
+                measured = np.maximum(measured, 0.0)
+            row.views.append(View(geometry, measured, expected, bar, scale))
     return row
-
-
-def _rounded_to_zero(image: NDArray[np.float64], scale: float, bar: float) -> bool:
-    """Whether what is negative is within the bar: a difference of two equal numbers may round to either side."""
-    return bool(np.min(image) >= -bar * scale)
 
 
 def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
@@ -94,7 +89,7 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     shape = np.ones((32, 32, 3))
     expected = (albedo(preset.reference(), wo) + fine)[:, None] * shape
     images = np.stack(
-        [_measure(preset, setup, "hybrid", geometry, FURNACE_SAMPLES, seed) for seed in range(FURNACE_SEEDS)]
+        [measure(preset, setup, "hybrid", geometry, FURNACE_SAMPLES, seed) for seed in range(FURNACE_SEEDS)]
     )
     # All pixels of a row look at the same theta_o. Two grids apart by as much say how well the reference is known.
     variance = np.var(images, axis=(0, 2), ddof=1) / FURNACE_SEEDS + np.square(fine - coarse)
@@ -142,26 +137,16 @@ def sun_row(estimator: str, setup: Setup, fresnel: str, m: float) -> Row:
         radiance = 1.0 / np.cos(np.radians(theta_i)) / (np.pi * np.sin(np.radians(SUN_ANGLE / 2)) ** 2)
         for wi, weight in zip(*disc(geometry), strict=True):
             expected += weight * radiance * evaluate(wi, wo) * max(wi[2], 0.0)
-        images = np.stack(
-            [_measure(preset, setup, estimator, geometry, SUN_SAMPLES, seed) for seed in range(SUN_SEEDS)]
-        )
-        # A count of few hits is too skewed for a normal limit: pixels are judged together until they expect 100, as
-        # far as hybrid's mirror has to find the sun by itself.
+        images = np.stack([measure(preset, setup, estimator, geometry, SUN_SAMPLES, seed) for seed in range(SUN_SEEDS)])
+        # Where hybrid's mirror has to find the sun by itself, a count of N hits has skewness N^-1/2, and Student's t of
+        # n such counts a mean of -(N n)^-1/2 / 2: pixels are judged together until all seeds expect 400, and that is
+        # 2.5 % of a standard error.
         hits = 0.2 * SUN_SAMPLES * SUN_SEEDS * expected[..., 0] / radiance
-        pooled = np.stack([pool(image, hits, 100.0) for image in images])
+        pooled = np.stack([pool(image, hits, 400.0) for image in images])
         variance = np.var(pooled, axis=0, ddof=1) / SUN_SEEDS
-        row.views.append(View(geometry, pooled.mean(axis=0), pool(expected, hits, 100.0), variance=variance))
+        mean = pooled.mean(axis=0)
+        row.views.append(View(geometry, mean, pool(expected, hits, 400.0), variance=variance, degrees=SUN_SEEDS - 1))
     return row
-
-
-def _measure(
-    preset: Preset, setup: Setup, estimator: str, geometry: gonio.Geometry, samples: int = 1, seed: int = 0
-) -> NDArray[np.float64]:
-    with headless.quiet():
-        image = gonio.measure_preset(
-            preset, setup.backend, estimator, geometry, samples=samples, seed=seed, shading_osl=setup.shading_osl
-        )
-    return image.astype(np.float64)
 
 
 def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
@@ -176,6 +161,3 @@ def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
         if setup is not SETUPS[1]:  # nodes run as OSL draw the very same: the furnace shows it
             rows += [(sun_row, (estimator, setup, "schlick", m)) for estimator in ESTIMATORS for m in SUN_SLOPES]
     return rows
-
-
-NOISY_ROWS = 13  # of this plan; a test counts them

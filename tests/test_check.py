@@ -145,7 +145,7 @@ def test_osl_and_node_groups_agree_with_each_other(blender, estimator, fresnel, 
     bar = off or (check.direct_bar(m) if estimator == "direct" else check.closure_bar(m))
     F = Schlick(1.0) if off else preset.reference_fresnel()  # an approximate F is judged against a lobe of F = 1
     for geometry in (gonio.Geometry(45.0), gonio.Geometry(70.0, 5.0)):
-        images = [check._measure(preset, setup, estimator, geometry, samples=1) for setup in (nodes, osl)]
+        images = [check.measure(preset, setup, estimator, geometry, samples=1) for setup in (nodes, osl)]
         peak = cook_torrance(geometry.wi(), geometry.wo(), m, F).max()
         assert np.abs(images[0] - images[1]).max() <= bar * peak
 

@@ -358,7 +358,7 @@ def test_direct_under_a_disc_of_sun_is_the_mean_of_the_formula(setup):
             radiance = model.evaluate(wi, wo) * max(wi[2], 0.0) * beam
             mean += weight * radiance
             square += weight * radiance**2
-        measured = check._measure(preset, setup, "direct", geometry, samples=samples)
+        measured = check.measure(preset, setup, "direct", geometry, samples=samples)
         row.views.append(check.View(geometry, measured, mean, variance=np.maximum(square - mean**2, 0.0) / samples))
     assert row.passed
     assert row.resolves < 0.005
