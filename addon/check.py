@@ -18,9 +18,9 @@ from scipy.stats import norm
 from scipy.stats import t as student
 
 from . import gonio, headless
+from .material import NATIVE
 from .presets import Preset, find, parse
-from .reference import albedo, cook_torrance, smith_g
-from .reference.cook_torrance_fit import cook_torrance_fit
+from .reference import albedo, cook_torrance, rendered
 from .reference.directions import dot
 from .reference.quadrature import gauss_legendre, vgroove_albedo
 
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
+
+    from .reference import Model
 
 THETAS = (0.0, 20.0, 45.0, 70.0, 85.0)
 WINDOW = 5.0
@@ -225,34 +227,25 @@ def materials() -> dict[str, Preset]:
 
 def direct_row(setup: Setup, fresnel: str, m: float) -> Row:
     """``direct`` at every theta_i, on the hemisphere and in the window, against the V-groove model."""
-    preset = materials()[fresnel].with_parameters(m=m)
-    F = preset.reference_fresnel()
-    return _exact_row("direct", setup, fresnel, preset, lambda wi, wo: cook_torrance(wi, wo, m, F), direct_bar(m))
+    return exact_row("direct", setup, fresnel, m, materials()[fresnel].with_parameters(m=m), direct_bar(m))
 
 
 def closure_row(setup: Setup, fresnel: str, m: float) -> Row:
     """``closure`` against the same model with Smith's G."""
-    return _native_row("closure", setup, fresnel, m, lambda wi, wo, F: cook_torrance(wi, wo, m, F, smith_g(wi, wo, m)))
+    return native_row("closure", setup, fresnel, m)
 
 
 def fit_row(setup: Setup, fresnel: str, m: float) -> Row:
     """``fit`` against its mixture as the reference has it; how near that is to the V-groove model, tests say."""
-    return _native_row("fit", setup, fresnel, m, lambda wi, wo, F: cook_torrance_fit(wi, wo, m, F))
+    return native_row("fit", setup, fresnel, m)
 
 
-def _native_row(test: str, setup: Setup, fresnel: str, m: float, evaluate: Callable[[Any, Any, Any], Any]) -> Row:
+def native_row(estimator: str, setup: Setup, fresnel: str, m: float) -> Row:
+    """An estimator of Cycles' own lobes. Where their F is an approximation, that is a share of the lobe with F = 1."""
     preset = materials()[fresnel].with_parameters(m=m)
-    F = preset.reference_fresnel()
-    row = _exact_row(test, setup, fresnel, preset, lambda wi, wo: evaluate(wi, wo, F), closure_bar(m))
     approximate = fresnel_approximation(setup, fresnel)
-    if approximate:  # a share of the lobe with F = 1, as the approximation is one of F
-        views = []
-        for view in row.views:
-            wi, wo = view.geometry.wi(), view.geometry.wo()
-            lobe = float(np.max(evaluate(wi, wo, materials()["white"].reference_fresnel())))
-            views.append(replace(view, bar=approximate, scale=max(view.scale, lobe)))
-        row = replace(row, views=views)
-    return row
+    lobe = (materials()["white"].with_parameters(m=m) if approximate else preset).reference()
+    return exact_row(estimator, setup, fresnel, m, preset, approximate or closure_bar(m), lobe=lobe)
 
 
 def fresnel_approximation(setup: Setup, fresnel: str) -> float:
@@ -266,20 +259,33 @@ def fresnel_approximation(setup: Setup, fresnel: str) -> float:
     return 0.035 if setup.backend == "nodes" else 0.0
 
 
-def _exact_row(
-    test: str, setup: Setup, fresnel: str, preset: Preset, evaluate: Callable[[Any, Any], Any], bar: float
-) -> Row:
-    row = Row(test, setup, fresnel, preset.m)
+def exact_row(
+    estimator: str, setup: Setup, label: str, number: float, preset: Preset, bar: float, *,
+    windows: tuple[float, ...] = (0.0, WINDOW), lobe: Model | None = None,
+) -> Row:  # fmt: skip
+    """An estimator without noise under a sun of zero size, at every theta_i; ``label`` and ``number`` name the row.
+
+    There ``corrected`` and ``hybrid`` are the model itself. The bar is a share of the view's largest value, or of
+    that of ``lobe``; for these two, where the model is next to 0 the mixture may not be, and what float32 rounds of it
+    remains.
+    """
+    row = Row(estimator, setup, label, number)
+    model, lobe = preset.reference(), lobe or preset.reference()
+    native = estimator in NATIVE
+    evaluate = rendered(model, estimator if native else "direct")
+    scales = [rendered(lobe, estimator if native else "direct")]
+    scales += [rendered(lobe, "fit")] if estimator in {"corrected", "hybrid"} else []
     for theta_i in THETAS:
-        for window in (0.0, WINDOW):
+        for window in windows:
             geometry = gonio.Geometry(theta_i, window)
             wi, wo = geometry.wi(), geometry.wo()
-            expected = evaluate(wi, wo)
             # Where the view holds less than 2^-64 of the lobe there is only what exp() leaves of its underflow.
-            lobe = float(np.max(evaluate(wi, wi * [-1.0, -1.0, 1.0])))
-            scale = max(float(np.max(expected)), 2.0**-64 * lobe)
-            measured = measure(preset, setup, test, geometry, samples=1)
-            row.views.append(View(geometry, measured, expected, bar, scale))
+            peak = float(np.max(scales[0](wi, wi * [-1.0, -1.0, 1.0])))
+            scale = max(*(float(np.max(f(wi, wo))) for f in scales), 2.0**-64 * peak)
+            image = measure(preset, setup, estimator, geometry)
+            if np.min(image) >= -bar * scale:  # a difference of two equal numbers may round to below 0
+                image = np.maximum(image, 0.0)
+            row.views.append(View(geometry, image, evaluate(wi, wo), bar, scale))
     return row
 
 

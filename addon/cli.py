@@ -263,9 +263,9 @@ def check(
         check_writable(json_file)
     _with_blender()
     from . import check as checking
-    from . import check_glass, check_hybrid, check_oren_nayar
+    from . import check_glass, check_hybrid, check_oren_nayar, check_sum
 
-    plans = [*checking.plan(), *check_hybrid.plan(), *check_oren_nayar.plan()]
+    plans = [*checking.plan(), *check_hybrid.plan(), *check_oren_nayar.plan(), *check_sum.plan()]
     every = [*((row, arguments, {}) for row, arguments in plans), *check_glass.plan()]
     plan = [item for item in every if not quick or item[1][-1] == 0.3]
     rows = [measure_row(*arguments, **more) for measure_row, arguments, more in _progress(plan, "measuring")]

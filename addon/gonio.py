@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal
 import bpy
 import numpy as np
 
-from ..nodegroups.cook_torrance_hybrid import DEFAULT_BOUND
+from ..nodegroups.hybrid import DEFAULT_BOUND
 from ..nodegroups.osl_script import text_block
 from .material import Choice, binds, build
 

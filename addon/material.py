@@ -26,14 +26,17 @@ from ..nodegroups import (
     lamp,
     oren_nayar,
     oren_nayar_closure,
+    oren_nayar_corrected,
     oren_nayar_direct,
     oren_nayar_fit,
+    oren_nayar_hybrid,
     oren_nayar_mirror,
 )
 from ..nodegroups import sum as sum_group
+from ..nodegroups.hybrid import DEFAULT_BOUND
 from . import lamps as lamp_binding
 from .presets import M_RANGE
-from .reference.cook_torrance_fit import BOUNDS
+from .reference.hybrid import BOUNDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -57,11 +60,13 @@ BUILDERS: dict[str, dict[str, Any]] = {
     "oren_nayar": {
         "fit": oren_nayar_fit,
         "closure": oren_nayar_closure,
+        "corrected": oren_nayar_corrected,
+        "hybrid": oren_nayar_hybrid,
         "mirror": oren_nayar_mirror,
         "direct": oren_nayar_direct,
     },
     "glass": {"closure": glass_closure, "mirror": glass_mirror},
-    "sum": dict.fromkeys(("fit", "closure", "mirror", "direct"), sum_group),
+    "sum": dict.fromkeys(ESTIMATORS, sum_group),
 }
 UPRIGHT = {"closure", "direct"}  # estimators whose closures do not lean: others would be bent by Bump Map Correction
 NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
@@ -97,7 +102,7 @@ class Choice:
     estimator: str = "fit"
     lamps: tuple[Object, ...] = ()
     shadows: bool = True
-    bound: float = cook_torrance_hybrid.DEFAULT_BOUND
+    bound: float = DEFAULT_BOUND
 
     def __post_init__(self) -> None:
         for what, value, known in (("backend", self.backend, BACKENDS), ("estimator", self.estimator, ESTIMATORS)):
@@ -185,9 +190,8 @@ def _key(preset: Preset, choice: Choice) -> str:
         [one.name, lamp_binding.kind(one), lamp_binding.size(one) > 0, choice.shadows and one.data.use_shadow]
         for one in choice.lamps
     ]
-    return json.dumps(
-        [preset.id, preset.kind, preset.parameters, choice.backend, choice.estimator, choice.bound, bound]
-    )
+    of_preset = [preset.id, preset.kind, preset.coupled, preset.parameters]
+    return json.dumps([*of_preset, choice.backend, choice.estimator, choice.bound, bound])
 
 
 def _state(material: Material) -> str:
@@ -221,6 +225,9 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
         label += f" {choice.estimator.title()}"
         build_group = module.build
         arguments = {part: _group(of, choice) for part, of in preset.parts().items()}
+        if preset.coupled:
+            label += " Coupled"
+            arguments["coupled"] = preset.kind
     else:
         build_group = module.build if choice.backend == "nodes" else module.build_osl
         if choice.estimator not in NATIVE and preset.model != "glass":

@@ -12,7 +12,7 @@
 
 Other models take their numbers at the top: "oren_nayar" albedo (RGB), sigma and kind "full" or "qualitative"; "glass",
 which is transparent, m, eta, tint (RGB) and kind "interface" or "thin" (a sheet of it); "sum", a diffuse part under a
-specular one, d, s, albedo, sigma, m and [fresnel].
+specular one, d, s, albedo, sigma, m and [fresnel], and coupled = true where the diffuse part gets what that leaves.
 
 Imports no bpy.
 """
@@ -36,6 +36,7 @@ FOLDER = Path(__file__).parent.parent / "presets"
 FIRST_FAMILY = "lecture"  # wins where a bare name is ambiguous
 MODELS = {"cook_torrance": ("m",), "oren_nayar": ("albedo", "sigma"), "glass": ("m", "eta", "tint")}  # their numbers
 MODELS["sum"] = ("d", "s", *MODELS["oren_nayar"], *MODELS["cook_torrance"])
+FLAGS = {"sum": ("coupled",)}  # what is true or false of a model; false where it is not given
 KINDS = {"oren_nayar": ("full", "qualitative"), "glass": ("interface", "thin")}  # the first where none is given
 TRANSPARENT = {"glass"}
 DEFAULTS = {"tint": (1.0, 1.0, 1.0)}
@@ -68,6 +69,7 @@ class Preset:
     source: dict[str, str]
     tags: tuple[str, ...] = ()
     notes: str = ""
+    coupled: bool = False
 
     @property
     def family(self) -> str:
@@ -103,7 +105,7 @@ class Preset:
             return Glass(self.m, values["eta"], values["tint"], thin=self.kind == "thin")
         if self.model == "sum":
             diffuse, specular = (part.reference() for part in self.parts().values())
-            return Sum(diffuse, specular, values["d"], values["s"])
+            return Sum(diffuse, specular, values["d"], values["s"], self.coupled)
         F = self.reference_fresnel()
         return Smooth(F) if self.m == 0 else CookTorrance(self.m, F)
 
@@ -124,7 +126,7 @@ class Preset:
         for key in changes:
             _known(where, key, self.parameters)
         checked = self.parameters | {key: _number(where, key, value) for key, value in changes.items()}
-        _at_most_all(where, checked)
+        _holds_together(where, checked, self.kind, coupled=self.coupled)
         return replace(self, parameters=checked)
 
 
@@ -141,7 +143,7 @@ def parse(text: str, identity: str, where: str) -> Preset:
         raise PresetError(message)
     numbers = MODELS[model]
     for key, value in data.items():
-        _known(where, key, [*TOP_KEYS, *numbers])
+        _known(where, key, [*TOP_KEYS, *numbers, *FLAGS.get(model, ())])
         if key in TOP_KEYS:
             _typed(where, key, value, TOP_KEYS[key])
     needed = [key for key in numbers if key not in DEFAULTS] + ["fresnel"] * (model not in KINDS)
@@ -155,10 +157,11 @@ def parse(text: str, identity: str, where: str) -> Preset:
     else:
         kind = _fresnel_kind(where, data["fresnel"])
         parameters |= {key: _number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[kind]}
-    _at_most_all(where, parameters)
+    coupled = _typed(where, "coupled", data.get("coupled", False), bool)
+    _holds_together(where, parameters, kind, coupled=coupled)
     source = _source(where, data["source"])
     tags = tuple(_typed(where, "tags", tag, str) for tag in data.get("tags", []))
-    return Preset(identity, data["name"], model, kind, parameters, source, tags, data.get("notes", ""))
+    return Preset(identity, data["name"], model, kind, parameters, source, tags, data.get("notes", ""), coupled)
 
 
 def load(path: Path) -> Preset:
@@ -225,8 +228,8 @@ def _known(where: str, key: str, known: Any) -> None:
 
 def _typed(where: str, key: str, value: Any, kind: type) -> Any:
     accepted = (int, float) if kind is float else kind
-    if not isinstance(value, accepted) or isinstance(value, bool):
-        wanted = {float: "a number", str: "a text", dict: "a table", list: "a list"}[kind]
+    if not isinstance(value, accepted) or isinstance(value, bool) != (kind is bool):
+        wanted = {bool: "true or false", float: "a number", str: "a text", dict: "a table", list: "a list"}[kind]
         message = f"{where}: {key} must be {wanted}, got {value!r}"
         raise PresetError(message)
     return value
@@ -256,11 +259,26 @@ def _in_range(where: str, key: str, value: Any) -> float:
     return number
 
 
-def _at_most_all(where: str, parameters: dict[str, Any]) -> None:
-    """The weights of a sum share what arrives."""
+def _holds_together(where: str, parameters: dict[str, Any], kind: str, *, coupled: bool) -> None:
+    """The weights of a sum share what arrives; a coupled one lets light through to its diffuse part."""
+    if coupled:
+        _holds_coupled(where, parameters, kind)
+        return
     d, s = parameters.get("d", 0.0), parameters.get("s", 0.0)
     if d + s > 1.0 + 1e-9:
         message = f"{where}: d + s must be at most 1, or more light would leave than arrives; got {d:g} + {s:g}"
+        raise PresetError(message)
+
+
+def _holds_coupled(where: str, parameters: dict[str, Any], kind: str) -> None:
+    if kind == "conductor":
+        message = f"{where}: a coupled sum needs eta or f0: no light passes a metal (n and k) to a diffuse part"
+        raise PresetError(message)
+    if kind == "schlick" and len(set(parameters["f0"])) > 1:
+        message = f"{where}: a coupled sum needs an f0 without colour, got {list(parameters['f0'])}; give one number"
+        raise PresetError(message)
+    if parameters["m"] > 1.0:
+        message = f"{where}: a coupled sum needs m of at most 1, got {parameters['m']:g}"
         raise PresetError(message)
 
 

@@ -32,6 +32,13 @@ def interface(tree: Tree, kind: str, *, m_high: float) -> Inputs:
     return Inputs(parameters, m, shading_normal.interface(tree))
 
 
+def given(tree: Tree, kind: str) -> Inputs:
+    """The same inputs, where another group's have been taken over."""
+    labels = {"schlick": {"f0": "F0"}, "dielectric": {"eta": "IOR"}, "conductor": {"n": "n", "k": "k"}}[kind]
+    parameters = {name: tree.given(label) for name, label in labels.items()}
+    return Inputs(parameters, tree.given("Slope m"), tree.given("Normal"))
+
+
 def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:
     """The OSL shader ``cook_torrance_ESTIMATOR`` fed by these inputs."""
     return osl_script.script(

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import cook_torrance, ensure
 from . import cook_torrance_closure as closure
-from ._tree import Number, Tree, Value, clamp, cross, dot, length, log, maximum, minimum, normalize, scale, sqrt, vector
-from .cook_torrance_table import bound_line, by_lobe, count, shared
+from ._tree import Tree, Value, cross, dot, length, maximum, minimum, normalize, scale, sqrt, vector
+from .cook_torrance_table import by_lobe, count, shared
 from .cook_torrance_table import share as of_share
+from .polynomial import horner2
+from .polynomial import share as share_by_table
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Fit"
@@ -39,8 +39,8 @@ def build_osl(tree: Tree, kind: str) -> None:
     tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")
 
 
-def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs, share: Number = 1.0) -> NodeSocket:
-    """``share`` of the mixture, one Metallic BSDF a lobe."""
+def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
+    """The mixture, one Metallic BSDF a lobe."""
     N = shading_normal(tree, inputs.normal)
     mixture = lobes(tree, inputs.m, N)
     root = sqrt(mixture.across)  # what Cycles' Metallic BSDF takes for the square root of a round lobe's slope
@@ -49,7 +49,7 @@ def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs, share: Number = 
         with tree.frame("Lobe"):
             roughness = root * sqrt(sqrt(aspect(lobe)))
             native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, lobe.anisotropy, mixture.tangent)
-            shaders.append(tree.weighted(native, lobe.weight * share if isinstance(share, Value) else lobe.weight))
+            shaders.append(tree.weighted(native, lobe.weight))
     return tree.add_shaders(shaders)
 
 
@@ -98,10 +98,9 @@ def build_lobes(tree: Tree) -> None:
     with tree.frame("The table's polynomials, one component a lobe"):
         y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
         weight, anisotropy, tilt = (
-            _polynomial(tree, by_lobe(name), vector(y, y, y), vector(n, n, n))
-            for name in ("weight", "anisotropy", "tilt")
+            horner2(by_lobe(name), vector(y, y, y), vector(n, n, n)) for name in ("weight", "anisotropy", "tilt")
         )
-        across = minimum(m * _polynomial(tree, shared("across"), y, n), 1.0)
+        across = minimum(m * horner2(shared("across"), y, n), 1.0)
     with tree.frame("Normals that lean away from the viewer"):
         lean = scale(aside, m * (1.0 - x))
         normals = [normalize(N - scale(lean, part)) for part in tilt.xyz]
@@ -129,28 +128,4 @@ def share(tree: Tree, slope: Value, N: Value, bound: Value) -> Value:
     m = minimum(slope, 1.0)
     x, _ = grazing(tree, m, N)
     with tree.frame("Share of the mixture, by the table"):
-        line, start = bound_line()
-        b, n, y = line * log(bound) + start, 2.0 * m - 1.0, 2.0 * x - 1.0
-        *rest, last = (_horner([_horner(powers, b) for powers in row], n) for row in of_share())
-        result = last
-        for coefficient in reversed(rest):
-            result = tree.math("MULTIPLY_ADD", result, y, coefficient)
-        return clamp(result)
-
-
-def _polynomial(tree: Tree, rows: Sequence[Sequence[Number]], y: Value, n: Value) -> Value:
-    """Sum of c_jk y^j n^k by Horner's rule."""
-    *rest, last = (_horner(row, n) for row in rows)
-    result = last
-    for coefficient in reversed(rest):
-        result = tree.math("MULTIPLY_ADD", result, y, coefficient)
-    return result
-
-
-def _horner(coefficients: Sequence[Number], n: Value) -> Value:
-    """Sum of c_k n^k."""
-    *rest, last = coefficients
-    result = n * last
-    for number in reversed(rest[1:]):
-        result = (result + number) * n
-    return result + rest[0]
+        return share_by_table(of_share(), 2.0 * x - 1.0, 2.0 * m - 1.0, bound)

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..addon.reference.cook_torrance_fit import BOUNDS
 from . import cook_torrance
 from . import cook_torrance_direct as direct
 from . import cook_torrance_fit as fit
 from . import cook_torrance_mirror as mirror
 from ._tree import maximum
 from .fit_mixture import fit_mixture
+from .hybrid import bound_input
 from .lamp_beams import beam_interfaces
 from .shading_normal import shading_normal
 
@@ -24,17 +24,11 @@ if TYPE_CHECKING:
 
 NAME = "VGroove Cook-Torrance Hybrid"
 REVISION = 1
-DEFAULT_BOUND = 0.005
-
-
-def _bound(tree: Tree) -> Value:
-    tip = "How much of the reflected light may be wrong; less is noisier"
-    return tree.input_float("Bound", DEFAULT_BOUND, low=BOUNDS[0], high=BOUNDS[1], subtype="FACTOR", tip=tip)
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=1.0)  # Cycles clamps alpha to 1
-    bound = _bound(tree)
+    bound = bound_input(tree)
     beams = beam_interfaces(tree, lamps)
     N = shading_normal(tree, inputs.normal)
     c = fit.share(tree, inputs.m, N, bound)
@@ -47,14 +41,14 @@ def build(tree: Tree, kind: str, lamps: int = 0) -> None:
             f_cos = direct.density(tree, facet.h, N, inputs.m) * facet.G / (4.0 * facet.no)
             return maximum(1.0 - carried(facet.wi, facet.h) / f_cos, 0.0)
 
-    shaders = [fit.shader(tree, kind, inputs, c), mirror.facet(tree, kind, inputs, rest)]
+    shaders = [tree.weighted(fit.shader(tree, kind, inputs), c), mirror.facet(tree, kind, inputs, rest)]
     shaders += [direct.emission(tree, kind, inputs, beams, carried)] if beams else []
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=1.0)
-    bound = _bound(tree)
+    bound = bound_input(tree)
     beams = beam_interfaces(tree, lamps)
     shaders = [cook_torrance.script(tree, "hybrid", kind, inputs, bound=bound).outputs[0]]
     shaders += [direct.emission_osl(tree, kind, inputs, beams, "correction", bound=bound)] if beams else []

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from math import log
-
-from ..addon.reference.cook_torrance_fit import BOUNDS, table
+from ..addon.reference.cook_torrance_fit import table
+from .polynomial import function_text, share_text
 
 Vector = tuple[float, float, float]
+CENTRED = "float y = 2 * x - 1, n = 2 * m - 1;"
 
 
 def count() -> int:
@@ -31,46 +31,18 @@ def shared(name: str) -> list[list[float]]:
 
 
 def share() -> list[list[list[float]]]:
-    """Coefficients [j][k][l] of (2x - 1)^j (2m - 1)^k b^l of ``hybrid``'s share; b by ``bound_line``."""
+    """Coefficients [j][k][l] of (2x - 1)^j (2m - 1)^k b^l of ``hybrid``'s share; b by ``polynomial.bound_line``."""
     return [[[float(c) for c in powers] for powers in row] for row in table()["share"]]
 
 
-def bound_line() -> tuple[float, float]:
-    """a and d of b = a log(bound) + d, which is -1 at the lowest bound and 1 at the highest."""
-    low, high = (log(bound) for bound in BOUNDS)
-    return 2.0 / (high - low), -(high + low) / (high - low)
-
-
 def header() -> str:
-    """OSL text: the polynomials as functions ``fit_NAME(x, m)`` by Horner's rule."""
-    functions = [
-        _function("vector", name, [[f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row] for row in by_lobe(name)])
-        for name in ("weight", "anisotropy", "tilt")
-    ]
-    functions.append(_function("float", "across", [[f"{c:.9g}" for c in row] for row in shared("across")]))
-    functions.append(_share())
+    """OSL text: the polynomials as functions ``fit_NAME(x, m)`` by Horner's rule, and ``fit_share_at(y, n, bound)``."""
+    arguments = "float x, float m"
+    functions = []
+    for name in ("weight", "anisotropy", "tilt"):
+        rows = [[f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row] for row in by_lobe(name)]
+        functions.append(function_text("vector", f"fit_{name}", arguments, rows, CENTRED))
+    rows = [[f"{c:.9g}" for c in row] for row in shared("across")]
+    functions.append(function_text("float", "fit_across", arguments, rows, CENTRED))
+    functions.append(share_text("fit_share_at", share()))
     return "\n".join([f"#define FIT_LOBES {count()}", "", *functions])
-
-
-def _share() -> str:
-    slope, start = bound_line()
-    rows = [
-        "("
-        + " + n * (".join("(" + " + b * (".join(f"{c:.9g}" for c in powers) + ")" * len(powers) for powers in row)
-        + ")" * len(row)
-        for row in reversed(share())
-    ]
-    lines = ["float fit_share(float x, float m, float bound)", "{"]
-    lines.append(f"    float y = 2 * x - 1, n = 2 * m - 1, b = {slope:.9g} * log(bound) + {start:.9g}, p = 0;")
-    return "\n".join([*lines, *(f"    p = p * y + {row};" for row in rows), "    return clamp(p, 0, 1);", "}", ""])
-
-
-def _function(kind: str, name: str, rows: list[list[str]]) -> str:
-    lines = [
-        f"{kind} fit_{name}(float x, float m)",
-        "{",
-        "    float y = 2 * x - 1, n = 2 * m - 1;",
-        f"    {kind} p = 0;",
-    ]
-    lines += [f"    p = p * y + ({' + n * ('.join(row)}" + ")" * len(row) + ";" for row in reversed(rows)]
-    return "\n".join([*lines, "    return p;", "}", ""])

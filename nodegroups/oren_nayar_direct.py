@@ -14,6 +14,8 @@ from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bpy.types import NodeSocket
 
 NAME = "VGroove Oren-Nayar Direct"
@@ -32,18 +34,30 @@ def build_osl(tree: Tree, kind: str, lamps: int) -> None:
     tree.output_shader("Emission", emission_osl(tree, kind, inputs, beams), tip="To the material's Surface")
 
 
-def emission(tree: Tree, kind: str, inputs: oren_nayar.Inputs, beams: Beams) -> NodeSocket:
-    """The radiance of all lamps, as an emission closure of plain nodes."""
+def emission(
+    tree: Tree, kind: str, inputs: oren_nayar.Inputs, beams: Beams, carried: Callable[[Value], Value] | None = None
+) -> NodeSocket:
+    """The radiance of all lamps, as an emission closure of plain nodes.
+
+    ``carried``: what other closures send of it already, their f from wi; the emission is then what they lack, negative
+    where they send too much.
+    """
     N, wo = shading_normal(tree, inputs.normal), tree.geometry("Incoming")
-    radiance: Value | int = sum(
-        irradiance * oren_nayar.brdf(tree, kind, inputs, N, wi, wo) * dot(N, wi) for wi, irradiance in beams
-    )
+
+    def lacking(wi: Value) -> Value:
+        f = oren_nayar.brdf(tree, kind, inputs, N, wi, wo)
+        return f - carried(wi) if carried else f
+
+    radiance: Value | int = sum(irradiance * lacking(wi) * dot(N, wi) for wi, irradiance in beams)
     return tree.node("ShaderNodeEmission", radiance if beams else (0.0, 0.0, 0.0)).outputs["Emission"]
 
 
-def emission_osl(tree: Tree, kind: str, inputs: oren_nayar.Inputs, beams: Beams) -> NodeSocket:
+def emission_osl(
+    tree: Tree, kind: str, inputs: oren_nayar.Inputs, beams: Beams, shader: str = "direct", **more: Value
+) -> NodeSocket:
     """The same from one script a lamp."""
     scripts = [
-        oren_nayar.script(tree, "direct", kind, inputs, ToLamp=wi, Irradiance=irradiance) for wi, irradiance in beams
+        oren_nayar.script(tree, shader, kind, inputs, ToLamp=wi, Irradiance=irradiance, **more)
+        for wi, irradiance in beams
     ]
     return tree.add_shaders([node.outputs[0] for node in scripts])

@@ -12,10 +12,17 @@ is kept to 0.6 %. L1 of f cos over all wi in per cent, worst of albedos up to 0.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from . import oren_nayar
 from ._tree import Tree, Value, clamp, dot, maximum, minimum, sqrt
-from .oren_nayar_table import MEAN, TABLES, polynomial
+from .oren_nayar_table import MEAN, TABLES
+from .polynomial import horner
+from .polynomial import share as share_by_table
 from .shading_normal import shading_normal
+
+if TYPE_CHECKING:
+    from bpy.types import NodeSocket
 
 NAME = "VGroove Oren-Nayar Fit"
 REVISION = 1
@@ -25,13 +32,8 @@ OFF = {"full": ("6 %", "10 %"), "qualitative": ("10 %", "11 %")}
 
 def build(tree: Tree, kind: str) -> None:
     inputs = oren_nayar.interface(tree)
-    lambert, retro = weights(tree, kind, inputs)
-    closures = []
-    for color, roughness in ((lambert, 0.0), (retro, 1.0)):
-        diffuse = tree.node("ShaderNodeBsdfDiffuse", color, roughness)
-        tree.connect(inputs.normal, diffuse.inputs["Normal"])
-        closures.append(diffuse.outputs["BSDF"])
-    tree.output_shader("BSDF", tree.add_shaders(closures), tip=TIP.format(*OFF[kind]))
+    shader, _ = closures(tree, kind, inputs)
+    tree.output_shader("BSDF", shader, tip=TIP.format(*OFF[kind]))
 
 
 def build_osl(tree: Tree, kind: str) -> None:
@@ -40,25 +42,49 @@ def build_osl(tree: Tree, kind: str) -> None:
     tree.output_shader("BSDF", node.outputs[0], tip=TIP.format(*OFF[kind]))
 
 
+def closures(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[NodeSocket, tuple[Value, Value]]:
+    """Both closures added up, and their colours."""
+    colors = weights(tree, kind, inputs)
+    sockets = []
+    for color, roughness in zip(colors, (0.0, 1.0), strict=True):
+        diffuse = tree.node("ShaderNodeBsdfDiffuse", color, roughness)
+        tree.connect(inputs.normal, diffuse.inputs["Normal"])
+        sockets.append(diffuse.outputs["BSDF"])
+    return tree.add_shaders(sockets), colors
+
+
 def weights(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[Value, Value]:
     """Colours of Lambert and of Cycles' Oren-Nayar of roughness 1, as ``weights`` of the reference.
 
     What depends on sigma alone is folded into constants by Cycles where Sigma is not linked.
     """
     table = TABLES[kind]
-    with tree.frame("x = tan(theta_o/2)"):
-        mu = clamp(dot(shading_normal(tree, inputs.normal), tree.geometry("Incoming")))
-        x = sqrt((1.0 - mu) / (1.0 + mu))
+    x = half_tangent(tree, shading_normal(tree, inputs.normal))
     with tree.frame("The 1994 model's albedo"):
         s2, rho = inputs.sigma * inputs.sigma, inputs.albedo
         facing = s2 / (s2 + 0.09)
-        once = oren_nayar.C1(s2) + facing * polynomial(table.albedo, x)
+        once = oren_nayar.C1(s2) + facing * horner(table.albedo, x)
         if kind == "full":
             once = once + rho * (0.17 * s2 / (s2 + 0.13))
         energy = minimum(rho * once, 1.0)
     with tree.frame("Retro-reflection, and what albedo it has"):
-        retro = rho * (facing * polynomial(table.retro, x))
-        single = polynomial(table.native, x)
+        retro = rho * (facing * horner(table.retro, x))
+        single = horner(table.native, x)
         again = (retro**3 * (MEAN * (1.0 - single))) / (1.0 - retro * (1.0 - MEAN))
         lambert = maximum(energy - (retro * single + again), 0.0)
     return lambert, retro
+
+
+def half_tangent(tree: Tree, N: Value) -> Value:
+    """tan(theta_o/2)."""
+    with tree.frame("x = tan(theta_o/2)"):
+        mu = clamp(dot(N, tree.geometry("Incoming")))
+        return sqrt((1.0 - mu) / (1.0 + mu))
+
+
+def share(tree: Tree, kind: str, inputs: oren_nayar.Inputs, N: Value, bound: Value) -> Value:
+    """c of ``hybrid_share``: how much of the fit stays below the model but for ``bound`` of the albedo."""
+    x = half_tangent(tree, N)
+    with tree.frame("Share of the fit, by the table"):
+        s2 = inputs.sigma * inputs.sigma
+        return share_by_table(TABLES[kind].share, 2.0 * x - 1.0, 2.0 * s2 / (s2 + 0.09) - 1.0, bound)

@@ -12,13 +12,17 @@ from typing import TYPE_CHECKING
 
 from . import oren_nayar
 from . import oren_nayar_direct as direct
-from ._tree import Tree, cos, cross, less, normalize, scale, select, sin, sqrt
+from ._tree import Tree, cos, cross, less, maximum, normalize, scale, select, sin, sqrt
 from .lamp_beams import beam_interfaces
 from .random_numbers import random_numbers
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bpy.types import NodeSocket
+
+    from ._tree import Value
 
 NAME = "VGroove Oren-Nayar Mirror"
 REVISION = 1
@@ -41,8 +45,13 @@ def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 
-def ray(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> NodeSocket:
-    """A mirror that reflects toward a wi drawn by the cosine, weighted by pi f."""
+def ray(
+    tree: Tree, kind: str, inputs: oren_nayar.Inputs, carried: Callable[[Value], Value] | None = None
+) -> NodeSocket:
+    """A mirror that reflects toward a wi drawn by the cosine, weighted by pi f.
+
+    ``carried``: what other closures send of f from wi already; the mirror then sends the rest, where it is positive.
+    """
     N, wo = shading_normal(tree, inputs.normal), tree.geometry("Incoming")
     u1, u2, _ = random_numbers(tree, STREAM)
     with tree.frame("wi by the cosine"):
@@ -52,7 +61,8 @@ def ray(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> NodeSocket:
         radius, phi = sqrt(u1), 2.0 * pi * u2
         wi = scale(T, radius * cos(phi)) + scale(B, radius * sin(phi)) + scale(N, sqrt(1.0 - u1))
     with tree.frame("Weight pi f, a mirror about the half vector"):
-        weight = oren_nayar.brdf(tree, kind, inputs, N, wi, wo) * pi
+        f = oren_nayar.brdf(tree, kind, inputs, N, wi, wo)
+        weight = (maximum(f - carried(wi), 0.0) if carried else f) * pi
         mirror = tree.node("ShaderNodeBsdfAnisotropic", weight, 0.0, distribution="BECKMANN")
         tree.connect(normalize(wi + wo), mirror.inputs["Normal"])
     return mirror.outputs["BSDF"]

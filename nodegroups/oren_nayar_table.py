@@ -4,45 +4,34 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from ..addon.reference import oren_nayar_fit
 from ..addon.reference.oren_nayar_fit import MEAN, TABLES
+from .polynomial import horner_text, share_text
 
-if TYPE_CHECKING:
-    from ._tree import Value
-
-__all__ = ["MEAN", "TABLES", "header", "polynomial"]
-
-
-def polynomial(coefficients: tuple[float, ...], x: Value) -> Value:
-    """Lowest power first, by Horner's rule."""
-    *rest, last = coefficients
-    value = last * x + rest.pop()
-    for coefficient in reversed(rest):
-        value = value * x + coefficient
-    return value
+__all__ = ["MEAN", "TABLES", "header"]
 
 
 def header() -> str:
-    """``fit_NAME(kind, x)`` for each polynomial, ``fit_roughness(kind, i)`` for k and c, and ``FIT_MEAN``."""
+    """``fit_NAME(kind, x)``; ``fit_roughness(kind, i)``, k and c; ``fit_share_at(kind, y, n, bound)``; ``FIT_MEAN``."""
     functions = ["// Written from addon/reference/oren_nayar_fit.toml; kind: 0 full, 1 qualitative"]
     functions.append(f"#define FIT_MEAN {MEAN}")
     full, qualitative = (asdict(TABLES[kind]) for kind in oren_nayar_fit.KINDS)
-    for name in full:
-        written = _choice if name == "roughness" else _horner
-        signature = f"float fit_{name}(int kind, {'int i' if name == 'roughness' else 'float x'})"
-        functions.append(f"{signature}\n{{\n    if (kind == 0) return {written(full[name])};")
-        functions.append(f"    return {written(qualitative[name])};\n}}")
+    functions += [
+        _by_kind(f"fit_{name}", "float x", _horner(full[name]), _horner(qualitative[name]))
+        for name in ("albedo", "retro", "native")
+    ]
+    k = (f"i == 0 ? {first} : {second}" for first, second in (full["roughness"], qualitative["roughness"]))
+    functions.append(_by_kind("fit_roughness", "int i", *k))
+    functions += [share_text(f"fit_share_{kind}", TABLES[kind].share) for kind in oren_nayar_fit.KINDS]
+    both = (f"fit_share_{kind}(y, n, bound)" for kind in oren_nayar_fit.KINDS)
+    functions.append(_by_kind("fit_share_at", "float y, float n, float bound", *both))
     return "\n".join(functions) + "\n"
 
 
-def _choice(pair: tuple[float, float]) -> str:
-    return f"i == 0 ? {pair[0]} : {pair[1]}"
+def _by_kind(name: str, arguments: str, full: str, qualitative: str) -> str:
+    return f"float {name}(int kind, {arguments})\n{{\n    if (kind == 0) return {full};\n    return {qualitative};\n}}"
 
 
 def _horner(coefficients: tuple[float, ...]) -> str:
-    *rest, text = map(str, coefficients)
-    for coefficient in reversed(rest):
-        text = f"({text}) * x + {coefficient}"
-    return text
+    return horner_text([str(c) for c in coefficients], "x")

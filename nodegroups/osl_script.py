@@ -25,7 +25,7 @@ class OslError(RuntimeError):
 
 
 FOLDER = Path(__file__).parent.parent / "osl"
-TABLES = {"oren_nayar_fit.h": oren_nayar_table.header, "cook_torrance_fit_table.h": cook_torrance_table.header}
+TABLES = {"oren_nayar_fit_table.h": oren_nayar_table.header, "cook_torrance_fit_table.h": cook_torrance_table.header}
 
 
 def source(shader: str) -> str:

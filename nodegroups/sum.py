@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rough diffuse part under a specular one: f = d f_diffuse + s f_specular, by any estimator that both have.
+"""A rough diffuse part under a specular one: f = d f_diffuse + s f_specular, by any estimator.
 
-The parts are nested groups; what both ask for (the normal, the lamps) is one input.
+The parts are nested groups; what both ask for (the normal, the lamps) is one input. Coupled, the diffuse part's weight
+is d (1 - s E), E the specular part's directional albedo: what is mirrored cannot be scattered as well.
 Source: Cook & Torrance 1982, R = d R_d + s R_s with d + s = 1; ``Sum`` of the reference.
 """
 
@@ -9,25 +10,46 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from . import cook_torrance, cook_torrance_albedo
+from .shading_normal import shading_normal
+
 if TYPE_CHECKING:
     import bpy
 
-    from ._tree import Tree
+    from ._tree import Tree, Value
 
 NAME = "VGroove Sum"
 REVISION = 1
 
 
-def build(tree: Tree, diffuse: bpy.types.ShaderNodeTree, specular: bpy.types.ShaderNodeTree) -> None:
-    tip = "Share of the {} part; both together at most 1, or more light leaves than arrives"
-    d = tree.input_float("Diffuse", 0.5, low=0.0, high=1.0, subtype="FACTOR", tip=tip.format("diffuse"))
-    s = tree.input_float("Specular", 0.5, low=0.0, high=1.0, subtype="FACTOR", tip=tip.format("specular"))
+def build(
+    tree: Tree, diffuse: bpy.types.ShaderNodeTree, specular: bpy.types.ShaderNodeTree, coupled: str | None = None
+) -> None:
+    """``coupled``: the kind of the specular part's Fresnel term, where the diffuse part gets what that leaves."""
+    d, s = weights(tree, coupled=coupled is not None)
+    for part in (diffuse, specular):
+        tree.inputs_of(part)
+    if coupled is not None:
+        inputs = cook_torrance.given(tree, coupled)
+        E = cook_torrance_albedo.directional_albedo(tree, coupled, inputs, shading_normal(tree, inputs.normal))
+        with tree.frame("What the specular part leaves"):
+            d = d * (1.0 - s * E)
     shaders = []
     for part, weight in ((diffuse, d), (specular, s)):
-        tree.inputs_of(part)
         with tree.frame(part.name):
             node = tree.node("ShaderNodeGroup", node_tree=part, label=part.name)
             for socket in node.inputs:
                 tree.connect(tree.given(socket.name), socket)
             shaders.append(tree.weighted(node.outputs[0], weight))
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
+
+
+def weights(tree: Tree, *, coupled: bool) -> tuple[Value, Value]:
+    """The inputs Diffuse and Specular."""
+    together = "; both together at most 1, or more light leaves than arrives"
+    tips = ("Share of the diffuse part", "Share of the specular part")
+    if coupled:
+        together = ", of what the specular part leaves"
+    d = tree.input_float("Diffuse", 0.5, low=0.0, high=1.0, subtype="FACTOR", tip=tips[0] + together)
+    s = tree.input_float("Specular", 0.5, low=0.0, high=1.0, subtype="FACTOR", tip=tips[1] + together * (not coupled))
+    return d, s

@@ -47,7 +47,7 @@ smith_lobe_build = smith_lobe.build
 def test_one_percent_in_the_subtracted_lobe_turns_lamps_red(blender, monkeypatch, estimator):
     """In the node group and in OSL."""
     monkeypatch.setattr(smith_lobe, "build", one_percent_more)
-    assert not check_hybrid.lamp_row(estimator, check.SETUPS[0], "schlick", 0.3).passed
+    assert not check.native_row(estimator, check.SETUPS[0], "schlick", 0.3).passed
     original = osl_script.source
 
     def source(shader):
@@ -55,7 +55,7 @@ def test_one_percent_in_the_subtracted_lobe_turns_lamps_red(blender, monkeypatch
 
     assert source("cook_torrance_correction") != original("cook_torrance_correction")
     monkeypatch.setattr(osl_script, "source", source)
-    assert not check_hybrid.lamp_row(estimator, check.SETUPS[2], "schlick", 0.3).passed
+    assert not check.native_row(estimator, check.SETUPS[2], "schlick", 0.3).passed
 
 
 def frozen(tree):

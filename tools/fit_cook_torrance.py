@@ -16,7 +16,8 @@ import argparse
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, linprog
+from scipy.optimize import brentq
+from shares import SHARE_BOUNDS, highest_share, to_powers
 
 from vgroove.addon.reference import Dielectric, Schlick
 from vgroove.addon.reference import cook_torrance_fit as fit
@@ -222,21 +223,12 @@ class Table:
 
 def monomials(coefficients: np.ndarray) -> dict[str, np.ndarray]:
     """Coefficients [lobe, j, k] of (2x - 1)^j (2m - 1)^k for each function; from Chebyshev's."""
-    to_power = [_to_powers(degree) for degree in (DEGREE_X, DEGREE_M)]
+    to_power = [to_powers(degree) for degree in (DEGREE_X, DEGREE_M)]
     grid = coefficients.reshape(-1, DEGREE_X + 1, DEGREE_M + 1)
     powers = np.einsum("lab,aj,bk->ljk", grid, *to_power)
     lobes = (len(powers) - 1) // 3
     parts = powers[:lobes], powers[lobes : 2 * lobes], powers[2 * lobes : -1], powers[-1:, : ACROSS_X + 1]
     return dict(zip(fit.FUNCTIONS, parts, strict=True))
-
-
-def _to_powers(degree: int) -> np.ndarray:
-    """Row a: the powers of y in the Chebyshev polynomial T_a(y)."""
-    rows = np.zeros((degree + 1, degree + 1))
-    for a in range(degree + 1):
-        chebyshev = np.polynomial.Chebyshev.basis(a)
-        rows[a, : a + 1] = chebyshev.convert(kind=np.polynomial.Polynomial).coef
-    return rows
 
 
 def toml(numbers: dict[str, np.ndarray]) -> str:
@@ -306,7 +298,6 @@ def search() -> np.ndarray:
 
 
 SHARE_DEGREES = 8, 6, 2  # in x, m and the logarithm of the bound
-SHARE_BOUNDS = np.geomspace(*fit.BOUNDS, 9)
 SHARE_FRESNELS = (Schlick(1.0), Schlick(0.02), Dielectric(1.33))
 
 
@@ -324,27 +315,13 @@ def largest_share(cell: Cell, bound: float) -> float:
 
 
 def shares() -> np.ndarray:
-    """Coefficients [j][k][l] of ``hybrid_share``: the highest polynomial that lies below all largest shares.
-
-    And that grows with the bound, as they do.
-    """
+    """Coefficients [j][k][l] of ``hybrid_share``."""
     slopes = sorted({*SLOPES, *np.linspace(0.075, 0.975, 19).tolist()})
-    coordinates = 0.5 + 0.5 * fit.bound_coordinate(SHARE_BOUNDS)
-    of_bound = np.polynomial.chebyshev.chebvander(2.0 * coordinates - 1.0, SHARE_DEGREES[2])
-    rows, limits = [], []
     views = (*np.arange(0.0, 89.0, 2.0), 89.0, 89.6, 89.95)
-    for cell in (Cell(m, degrees, finer=2) for m in slopes for degrees in views):  # a coarse grid blurs small bounds
-        x, m = (_chebyshev(v, degree) for v, degree in zip((cell.x, cell.m), SHARE_DEGREES, strict=False))
-        rows.append(np.einsum("j,k,bl->bjkl", x, m, of_bound).reshape(len(SHARE_BOUNDS), -1))
-        limits.append([largest_share(cell, bound) for bound in SHARE_BOUNDS])
-    basis, limit = np.array(rows), np.array(limits)
-    size = basis.shape[-1]
-    below = np.concatenate([basis.reshape(-1, size), (basis[:, :-1] - basis[:, 1:]).reshape(-1, size)])
-    most = np.concatenate([0.98 * limit.ravel(), np.zeros(limit[:, 1:].size)])  # 2 % lower, for what is between
-    solved = linprog(-basis.sum(axis=(0, 1)), A_ub=below, b_ub=most, bounds=(None, None), method="highs")
-    print(f"share: {solved.message} mean {np.mean(limit):.3f}, of the polynomial {np.mean(basis @ solved.x):.3f}")
-    grid = solved.x.reshape([degree + 1 for degree in SHARE_DEGREES])
-    return np.einsum("abc,aj,bk,cl->jkl", grid, *(_to_powers(degree) for degree in SHARE_DEGREES))
+    cells = [Cell(m, degrees, finer=2) for m in slopes for degrees in views]  # a coarse grid blurs small bounds
+    limits = [[largest_share(cell, bound) for bound in SHARE_BOUNDS] for cell in cells]
+    points = np.array([(2.0 * cell.x - 1.0, 2.0 * cell.m - 1.0) for cell in cells])
+    return highest_share(points, np.array(limits), SHARE_DEGREES)
 
 
 def print_table() -> None:

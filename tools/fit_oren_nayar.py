@@ -9,12 +9,14 @@ Errors are L1: the integral over wi of |f_closure - f| cos over that of f cos, i
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import linprog, minimize, minimize_scalar
+from scipy.optimize import brentq, linprog, minimize, minimize_scalar
 from scipy.sparse import csr_matrix, eye, hstack, vstack
+from shares import SHARE_BOUNDS, highest_share
 
 from vgroove.addon.reference import oren_nayar, spherical
 from vgroove.addon.reference import oren_nayar_fit as fit
@@ -22,6 +24,7 @@ from vgroove.addon.reference.quadrature import diffuse_albedo, panels
 
 PATH = Path(__file__).parent.parent / "addon" / "reference" / "oren_nayar_fit.toml"
 DEGREE = 5
+SHARE_DEGREES = 6, 4, 2  # in tan(theta_o/2), in s2/(s2 + 0.09) and in the logarithm of the bound
 NODES = 16  # quadrature in each angle; 32 move no figure below by 0.1 %
 SIGMAS = (0.1, 0.3, 0.6, 1.0, np.pi / 2)
 ALBEDOS = np.array([0.2, 0.5, 0.8])  # as the three channels of one colour
@@ -153,9 +156,46 @@ def write() -> None:
             "native": native(),
             "roughness": roughness(qualitative=qualitative),
         }
-        lines += ["", f"[{kind}]", *(f"{name} = {values}" for name, values in numbers.items())]
+        fit.TABLES[kind] = replace(fit.TABLES[kind], **{name: tuple(values) for name, values in numbers.items()})
+        numbers["share"] = [[[float(f"{c:.9g}") for c in row] for row in rows] for rows in shares(kind)]
+        lines += ["", f"[{kind}]", *(f"{name} = {_wrapped(values)}" for name, values in numbers.items())]
     PATH.write_text("\n".join(lines) + "\n", encoding="utf-8")
     fit.TABLES.update(fit.load(PATH))
+
+
+def _wrapped(values: list) -> str:
+    """One line for a list of numbers, one for each of its lists."""
+    if not isinstance(values[0], list):
+        return str(values)
+    return "[\n" + "".join(f"  {row},\n" for row in values) + "]"
+
+
+def shares(kind: str) -> np.ndarray:
+    """Coefficients [j][k][l] of ``hybrid_share``: below the largest share of every albedo."""
+    albedos = np.array([1e-6, 0.2, 0.5, 0.8, 0.9, 1.0])
+    qualitative = kind == "qualitative"
+    points, limits = [], []
+    for degrees in (0, 4, 9, 15, 21, 27, 33, 39, 45, 51, 57, 63, 68, 72, 76, 80, 83, 86, 88, 89.5):
+        view = View(float(np.cos(np.radians(degrees))))
+        for sigma in (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.75, 0.9, 1.1, 1.3, np.pi / 2):
+            f, near = [], []
+            for colors in (albedos[:3], albedos[3:]):
+                f.append(oren_nayar(view.wi, view.wo, colors, sigma, qualitative=qualitative))
+                near.append(fit.oren_nayar_fit(view.wi, view.wo, colors, sigma, qualitative=qualitative))
+            limit = partial(largest_share, view, np.concatenate(f, axis=1), np.concatenate(near, axis=1))
+            limits.append([limit(bound) for bound in SHARE_BOUNDS])
+            facing = sigma**2 / (sigma**2 + 0.09)
+            points.append((2.0 * float(fit.half_tangent(view.mu)) - 1.0, 2.0 * facing - 1.0))
+    return highest_share(np.array(points), np.array(limits), SHARE_DEGREES)
+
+
+def largest_share(view: View, f: np.ndarray, near: np.ndarray, bound: float) -> float:
+    """The largest c <= 1 for which the integral of (c near - f)+ cos is at most ``bound`` of that of f cos."""
+
+    def excess(c: float) -> float:
+        return float(np.max(view.weight @ np.maximum(c * near - f, 0.0) / (view.weight @ f))) - bound
+
+    return 1.0 if excess(1.0) <= 0 else float(brentq(excess, 0.0, 1.0))
 
 
 def report() -> None:

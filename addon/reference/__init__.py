@@ -10,6 +10,7 @@ from . import cook_torrance_fit, oren_nayar_fit
 from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
 from .directions import reflect, spherical
 from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
+from .estimators import rendered
 from .fresnel import Conductor, Dielectric, Fresnel, Schlick, fresnel_conductor, fresnel_dielectric, schlick
 from .glass import Glass, Pane, fresnel_transmittance, glass_btdf, refract
 from .model import Model, albedo
@@ -41,6 +42,7 @@ __all__ = [
     "oren_nayar_fit",
     "reflect",
     "refract",
+    "rendered",
     "schlick",
     "smith_g",
     "spherical",

@@ -22,8 +22,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from . import hybrid
 from .cook_torrance import cook_torrance
-from .directions import above, as_directions, as_pair, as_positive, as_range, dot, facet_cosine, half_vector
+from .directions import above, as_directions, as_pair, as_positive, dot, facet_cosine, half_vector
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from .directions import Floats
     from .fresnel import Fresnel
 
-BOUNDS = (0.001, 0.05)  # of the part of hybrid that may be wrong, as a share of the directional albedo
 TABLE = Path(__file__).with_suffix(".toml")
 FUNCTIONS = ("weight", "anisotropy", "tilt", "across")
 NARROWEST = 0.1  # within over across: what Cycles' Metallic BSDF offers
@@ -164,20 +164,7 @@ def hybrid_share(wo: ArrayLike, m: ArrayLike, bound: ArrayLike) -> Floats:
     wo: unit vectors (..., 3); m: RMS slope > 0; bound: 0.001 to 0.05. Raises ValueError outside these ranges.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
-    bound = as_range(bound, "bound", *BOUNDS)
-    x, m = np.broadcast_arrays(grazing(wo, m), m)
-    of_x, of_m = (
-        (2.0 * v - 1.0)[..., None] ** np.arange(n) for v, n in zip((x, m), table()["share"].shape, strict=False)
-    )
-    of_bound = bound_coordinate(bound)[..., None] ** np.arange(table()["share"].shape[-1])
-    c = np.einsum("...j,...k,...l,jkl->...", of_x, of_m, of_bound, table()["share"])
-    return np.clip(c, 0.0, 1.0)
-
-
-def bound_coordinate(bound: Floats) -> Floats:
-    """-1 at the lowest bound, 1 at the highest, linear in the logarithm."""
-    low, high = np.log(BOUNDS)
-    return (2.0 * np.log(np.asarray(bound)) - low - high) / (high - low)
+    return hybrid.share(table()["share"], 2.0 * grazing(wo, m) - 1.0, 2.0 * m - 1.0, bound)
 
 
 def cook_torrance_hybrid(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, bound: ArrayLike) -> Floats:

@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .directions import above, as_pair, as_range, as_rgb, dot
+from . import hybrid
+from .directions import above, as_directions, as_pair, as_range, as_rgb, dot
+from .oren_nayar import oren_nayar
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -35,13 +37,15 @@ class Table:
     """Numbers of one kind. Polynomials in tan(theta_o/2), lowest power first, and ``roughness`` k, c.
 
     albedo: P of the single bounce's albedo C1 + s2/(s2 + 0.09) P. retro: W of the second closure's colour
-    rho s2/(s2 + 0.09) W. native: single scattering's albedo of Cycles' Oren-Nayar at roughness 1.
+    rho s2/(s2 + 0.09) W. native: single scattering's albedo of Cycles' Oren-Nayar at roughness 1. share: of ``hybrid``,
+    as ``hybrid_share`` has it.
     """
 
     albedo: tuple[float, ...]
     retro: tuple[float, ...]
     native: tuple[float, ...]
     roughness: tuple[float, float]
+    share: tuple[tuple[tuple[float, ...], ...], ...]
 
 
 def load(path: Path) -> dict[str, Table]:
@@ -145,3 +149,27 @@ def oren_nayar_fit(
     wi, wo = as_pair(wi, wo)
     lambert, retro = weights(np.clip(wo[..., 2], 0.0, 1.0), albedo, sigma, qualitative=qualitative)
     return lambert / np.pi * above(wi, wo)[..., None] + cycles_diffuse(wi, wo, retro, 1.0)
+
+
+def hybrid_share(wo: ArrayLike, sigma: ArrayLike, bound: ArrayLike, *, qualitative: bool = False) -> Floats:
+    """c, the share of the fit that ``hybrid`` leaves to Cycles' own closures, (...), from 0 to 1.
+
+    The largest c for which the integral of (c f_fit - f)+ cos over wi is at most ``bound`` times that of f cos, for
+    every albedo. A polynomial in 2x - 1, x = tan(theta_o/2), in 2 s2/(s2 + 0.09) - 1 and in the logarithm of the bound
+    that lies below all of these (tools/fit_oren_nayar.py).
+
+    wo: unit vectors (..., 3); sigma: [0, pi/2]; bound: 0.001 to 0.05. Raises ValueError outside these ranges.
+    """
+    x = half_tangent(np.clip(as_directions(wo, "wo")[..., 2], 0.0, 1.0))
+    s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))
+    table = TABLES[KINDS[qualitative]]
+    return hybrid.share(np.array(table.share), 2.0 * x - 1.0, 2.0 * s2 / (s2 + 0.09) - 1.0, bound)
+
+
+def oren_nayar_hybrid(
+    wi: ArrayLike, wo: ArrayLike, albedo: ArrayLike, sigma: ArrayLike, bound: ArrayLike, *, qualitative: bool = False
+) -> Floats:
+    """The BRDF that ``hybrid`` renders, max(f, c f_fit) with c = ``hybrid_share``, in 1/sr, RGB (..., 3)."""
+    c = hybrid_share(wo, sigma, bound, qualitative=qualitative)[..., None]
+    near = oren_nayar_fit(wi, wo, albedo, sigma, qualitative=qualitative)
+    return np.maximum(oren_nayar(wi, wo, albedo, sigma, qualitative=qualitative), c * near)

@@ -13,6 +13,13 @@ float fit_x(normal n, vector wo, float m)
     return ms / max(max(c, 0) + ms, 1e-20);
 }
 
+// c of hybrid, which keeps what it has too much of below the bound
+float fit_share(normal n, vector wo, float slope, float bound)
+{
+    float m = min(slope, 1);
+    return clamp(fit_share_at(2 * fit_x(n, wo, m) - 1, 2 * m - 1, bound), 0, 1);
+}
+
 void fit_lobes(normal n, vector wo, float slope, output Lobe lobes[FIT_LOBES])
 {
     float m = min(slope, 1), x = fit_x(n, wo, m);

@@ -31,3 +31,12 @@ color oren_nayar(int kind, vector wi, vector wo, normal n, color albedo, float s
     float twice = 0.17 * s2 / (s2 + 0.13) * (1 - cos_p * pow(1 - y, 2));
     return albedo / M_PI * max(once + albedo * twice, color(0));  // the fit dips below 0 where both directions graze
 }
+
+// wi drawn by the cosine. Malley: a uniform disc projected up
+vector cosine_direction(normal n)
+{
+    vector T = normalize(cross(n, n[2] * n[2] < 0.8 ? vector(0, 0, 1) : vector(1, 0, 0)));
+    vector B = cross(n, T);
+    float disc = random_number(4), phi = M_2PI * random_number(5);  // 1 to 3 are Cook-Torrance's
+    return sqrt(disc) * (cos(phi) * T + sin(phi) * B) + sqrt(1 - disc) * n;
+}

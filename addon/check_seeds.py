@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Views of estimators whose variance no formula gives, as Cycles chooses between closures: it is taken from seeds.
+
+Or from the pixels of one theta_o, which are alike in all but their noise.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import gonio
+from .check import Setup, View, disc, measure, pool
+from .reference import rendered
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .presets import Preset
+
+BOUND = 0.005
+SUN_SEEDS = 32
+FURNACE_SIZE = 32
+
+
+def furnace_directions() -> NDArray[np.float64]:
+    """wo of each row of ``furnace_view``, in the plane of x and z, (32, 3)."""
+    cosine = furnace().wo()[:, 0, 2]
+    return np.stack([np.sqrt(1.0 - cosine**2), 0.0 * cosine, cosine], axis=-1)
+
+
+def furnace() -> gonio.Geometry:
+    return gonio.Geometry(furnace=True, resolution=(FURNACE_SIZE, FURNACE_SIZE))
+
+
+def furnace_view(
+    preset: Preset, setup: Setup, estimator: str, expected: NDArray[np.float64], *, samples: int = 256, seeds: int = 4,
+    doubt: NDArray[np.float64] | float = 0.0,
+) -> View:  # fmt: skip
+    """Under a white sky, against the albedo of each ``furnace_directions``, (32, 3), known to within ``doubt``."""
+    shape = np.ones((FURNACE_SIZE, FURNACE_SIZE, 3))
+    images = np.stack([measure(preset, setup, estimator, furnace(), samples, seed) for seed in range(seeds)])
+    variance = np.var(images, axis=(0, 2), ddof=1) / seeds + np.square(doubt)
+    return View(
+        furnace(), images.mean(axis=0), expected[:, None] * shape, variance=variance[:, None] * shape,
+        degrees=seeds * FURNACE_SIZE - 1,
+    )  # fmt: skip
+
+
+def sun_view(
+    preset: Preset, setup: Setup, estimator: str, geometry: gonio.Geometry, samples: int, share: float
+) -> View:
+    """Under a sun with an angle: the mean of f over its disc, weighted by the cosine.
+
+    share: at least how many of a pixel's samples look for the sun by a random ray.
+    """
+    evaluate = rendered(preset.reference(), estimator, BOUND)
+    wo = geometry.wo()
+    expected = np.zeros_like(wo)
+    # The disc has the radiance that lights a facing plane with 1/cos(theta_i).
+    solid_angle = np.pi * np.sin(np.radians(geometry.sun_angle / 2)) ** 2
+    radiance = 1.0 / np.cos(np.radians(geometry.theta_i)) / solid_angle
+    for wi, weight in zip(*disc(geometry), strict=True):
+        expected += weight * radiance * evaluate(wi, wo) * max(wi[2], 0.0)
+    images = [measure(preset, setup, estimator, geometry, samples, seed) for seed in range(SUN_SEEDS)]
+    # A count of N hits has skewness N^-1/2, and Student's t of n such counts a mean of -(N n)^-1/2 / 2: pixels are
+    # judged together until all seeds expect 400, and that is 2.5 % of a standard error.
+    hits = share * samples * SUN_SEEDS * expected[..., 0] / radiance
+    pooled = np.stack([pool(image, hits, 400.0) for image in images])
+    variance = np.var(pooled, axis=0, ddof=1) / SUN_SEEDS
+    mean = pooled.mean(axis=0)
+    return View(geometry, mean, pool(expected, hits, 400.0), variance=variance, degrees=SUN_SEEDS - 1)

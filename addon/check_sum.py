@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rows of ``vgroove check`` for sums, plain and coupled, in every estimator: each the weighted sum of its parts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import check, gonio
+from .check import SETUPS, Row, Setup
+from .check_hybrid import clipped
+from .check_oren_nayar import SUN_ANGLE
+from .check_seeds import BOUND, furnace_directions, furnace_view, sun_view
+from .presets import Preset, parse
+from .reference import CookTorrance, OrenNayar, Sum, albedo, rendered
+from .reference.estimators import quick_diffuse_share
+from .reference.quadrature import diffuse_albedo
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+ESTIMATORS = ("direct", "closure", "fit", "corrected", "hybrid")
+KINDS = ("sum", "coupled")
+SLOPES = (0.3, 0.6)
+SUN_SAMPLES, SUN_THETAS = 1024, (20.0, 60.0)
+MIRRORED = 0.05  # of hybrid, at least
+NOISY_ROWS = 20  # of the plan, judged by Z-tests; a test holds it to the plan
+
+
+def preset(kind: str, m: float) -> Preset:
+    """A rough base under a rough dielectric."""
+    weights = "d = 0.95\ns = 1.0\ncoupled = true" if kind == "coupled" else "d = 0.6\ns = 0.4"
+    text = f"""name = "Test"
+model = "sum"
+{weights}
+albedo = [0.8, 0.5, 0.2]
+sigma = 0.6
+m = {m}
+[fresnel]
+eta = 1.8
+[source]
+data = "check"
+"""
+    return parse(text, f"check/{kind}", "check")
+
+
+def exact_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
+    """Under a sun of zero size, with the bar of the specular part."""
+    bar = check.direct_bar(m) if estimator == "direct" else check.closure_bar(m)
+    lobe = None
+    approximate = check.fresnel_approximation(setup, "dielectric") if estimator != "direct" else 0.0
+    if approximate:
+        white = parse('name = "White"\nm = 0.3\n[fresnel]\nf0 = 1.0\n[source]\ndata = "check"', "check/white", "check")
+        lobe, bar = white.with_parameters(m=m).reference(), approximate
+    return check.exact_row(estimator, setup, kind, m, preset(kind, m), bar, windows=(0.0,), lobe=lobe)
+
+
+def furnace_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
+    """``mirror`` and ``hybrid`` under a uniform white world: the weighted sum of what the parts send back."""
+    of = preset(kind, m)
+    coarse, fine = (_sent_back(of, estimator, nodes) for nodes in (72, 100))
+    # Two grids apart by as much say how well the reference is known.
+    view = furnace_view(of, setup, estimator, fine, doubt=fine - coarse)
+    return Row(f"{estimator}, furnace", setup, kind, m, [view])
+
+
+def _sent_back(of: Preset, estimator: str, nodes: int) -> NDArray[np.float64]:
+    model, wo = of.reference(), furnace_directions()
+    assert isinstance(model, Sum)  # noqa: S101 - by the preset's text
+    diffuse, specular = model.diffuse, model.specular
+    assert isinstance(diffuse, OrenNayar)  # noqa: S101
+    assert isinstance(specular, CookTorrance)  # noqa: S101
+    under = diffuse_albedo(wo, rendered(diffuse, estimator, BOUND), nodes)
+    over = albedo(specular, wo)
+    if estimator == "hybrid":
+        over = over + np.stack([clipped(view, of.m, specular.fresnel, BOUND, nodes) for view in wo])
+    return quick_diffuse_share(model, wo) * under + model.s * over
+
+
+def sun_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
+    """Noisy estimators under a sun of 30 degrees."""
+    row = Row(f"{estimator}, sun", setup, kind, m)
+    for theta_i in SUN_THETAS:
+        geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
+        row.views.append(sun_view(preset(kind, m), setup, estimator, geometry, SUN_SAMPLES, MIRRORED))
+    return row
+
+
+def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
+    """Every row, as the function that measures it and its arguments."""
+    rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
+    for setup in SETUPS:
+        few = setup is SETUPS[1]  # the same nodes as in SVM, and slow to compile
+        for kind in KINDS:
+            slopes = (0.3,) if few else SLOPES
+            rows += [(exact_row, (estimator, setup, kind, m)) for estimator in ESTIMATORS for m in slopes]
+        if few:
+            continue
+        for estimator in ("mirror", "hybrid"):
+            rows += [(furnace_row, (estimator, setup, kind, 0.3)) for kind in KINDS]
+        for estimator in ("mirror", "hybrid", "corrected"):
+            rows += [(sun_row, (estimator, setup, kind, 0.3)) for kind in KINDS]
+    return rows

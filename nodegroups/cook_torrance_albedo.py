@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directional albedo of Cook-Torrance from three facets, as ``cook_torrance_albedo`` of the reference."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..addon.reference.cook_torrance_albedo import table
+from . import ensure, fresnel
+from ._tree import Tree, Value, clamp, dot, maximum, minimum, vector
+from .cook_torrance_fit import grazing
+from .polynomial import horner2
+
+if TYPE_CHECKING:
+    from . import cook_torrance
+
+NAME = "VGroove Albedo Facets"
+REVISION = 1
+
+
+def build(tree: Tree) -> None:
+    slope = tree.input_float("m", 0.3, low=0.0, high=1.0, tip="RMS slope of the facets")
+    N = tree.input_vector("N", (0, 0, 1), hide_value=True, tip="Unit normal")
+    m = clamp(slope)
+    x, _ = grazing(tree, m, N)
+    with tree.frame("Three facets by the table, one component each"):
+        y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
+        cosine, weight = (horner2(_rows(name), vector(y, y, y), vector(n, n, n)) for name in ("cosine", "weight"))
+        no = dot(N, tree.geometry("Incoming"))
+        cosine = minimum(maximum(vector(no, no, no) + m * cosine, 0.0), 1.0)
+    tree.output_vector("Cosine", cosine, tip="v.h of each facet")
+    tree.output_vector("Weight", maximum(weight, 0.0), tip="Of each facet")
+
+
+def _rows(name: str) -> list[list[tuple[float, float, float]]]:
+    """Coefficients [j][k], one component a facet."""
+    first, second, third = table()[name].tolist()
+    return [[(a, b, c) for a, b, c in zip(*rows, strict=True)] for rows in zip(first, second, third, strict=True)]
+
+
+def directional_albedo(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value) -> Value:
+    """E of the view, at most 1; of a coloured F its largest channel."""
+    node = tree.group(ensure(NAME, REVISION, build), m=inputs.m, N=N)
+    cosines, weights = (Value(tree, node.outputs[name]).xyz for name in ("Cosine", "Weight"))
+    with tree.frame("Sum of weight F over three facets"):
+        F = [fresnel.reflectance(tree, kind, inputs.fresnel, cosine) for cosine in cosines]
+        E = F[0] * weights[0] + F[1] * weights[1] + F[2] * weights[2]
+        if E.is_vector:
+            r, g, b = E.xyz
+            E = maximum(maximum(r, g), b)
+        return minimum(E, 1.0)

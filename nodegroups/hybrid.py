@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the ``hybrid`` of every model asks for: how much of it may be wrong."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..addon.reference.hybrid import BOUNDS
+
+if TYPE_CHECKING:
+    from ._tree import Tree, Value
+
+DEFAULT_BOUND = 0.005
+
+
+def bound_input(tree: Tree) -> Value:
+    tip = "How much of the reflected light may be wrong; less is noisier"
+    return tree.input_float("Bound", DEFAULT_BOUND, low=BOUNDS[0], high=BOUNDS[1], subtype="FACTOR", tip=tip)

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Polynomials of the fits' tables by Horner's rule, as nodes and as OSL text. Lowest power first everywhere."""
+
+from __future__ import annotations
+
+from math import log
+from typing import TYPE_CHECKING
+
+from ..addon.reference.hybrid import BOUNDS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ._tree import Number, Tree, Value
+
+    Row = Sequence[Number]
+
+
+def horner(coefficients: Row, x: Value) -> Value:
+    """Sum of c_k x^k."""
+    *rest, last = coefficients
+    result = x * last
+    for number in reversed(rest[1:]):
+        result = (result + number) * x
+    return result + rest[0]
+
+
+def horner2(rows: Sequence[Row], y: Value, n: Value) -> Value:
+    """Sum of c_jk y^j n^k; what depends on n alone comes first, for Cycles to fold it where n is constant."""
+    return _in_y([horner(row, n) for row in rows], y)
+
+
+def share(rows: Sequence[Sequence[Row]], y: Value, n: Value, bound: Value) -> Value:
+    """Sum of c_jkl y^j n^k b^l, held to 0..1: ``share`` of the reference's hybrid."""
+    from ._tree import clamp, log  # here, as tables need this module without Blender
+
+    line, start = bound_line()
+    b = line * log(bound) + start
+    return clamp(_in_y([horner([horner(powers, b) for powers in row], n) for row in rows], y))
+
+
+def bound_line() -> tuple[float, float]:
+    """a and d of b = a log(bound) + d, which is -1 at the lowest bound and 1 at the highest."""
+    low, high = (log(bound) for bound in BOUNDS)
+    return 2.0 / (high - low), -(high + low) / (high - low)
+
+
+def _in_y(coefficients: Sequence[Value], y: Value) -> Value:
+    tree: Tree = y.tree
+    *rest, result = coefficients
+    for coefficient in reversed(rest):
+        result = tree.math("MULTIPLY_ADD", result, y, coefficient)
+    return result
+
+
+# OSL
+
+
+def horner_text(coefficients: Sequence[str], x: str) -> str:
+    """c_0 + x (c_1 + x (...))."""
+    return "(" + f" + {x} * (".join(coefficients) + ")" * len(coefficients)
+
+
+def function_text(kind: str, name: str, arguments: str, rows: Sequence[Sequence[str]], start: str) -> str:
+    """An OSL function: sum of c_jk y^j n^k, y and n defined by ``start``."""
+    lines = [f"{kind} {name}({arguments})", "{", f"    {start}", f"    {kind} p = 0;"]
+    lines += [f"    p = p * y + {horner_text(row, 'n')};" for row in reversed(rows)]
+    return "\n".join([*lines, "    return p;", "}", ""])
+
+
+def share_text(name: str, rows: Sequence[Sequence[Sequence[float]]]) -> str:
+    """OSL function ``NAME(y, n, bound)``, not yet held to 0..1."""
+    slope, start = bound_line()
+    written = [[horner_text([f"{c:.9g}" for c in powers], "b") for powers in row] for row in rows]
+    b = f"float b = {slope:.9g} * log(bound) + {start:.9g};"
+    return function_text("float", name, "float y, float n, float bound", written, b)
