@@ -29,7 +29,7 @@ SUN_THETAS = (20.0, 60.0, 74.0)
 NOISY_ROWS = 42  # of the plan, judged by Z-tests; a test holds it to the plan
 FURNACE_SAMPLES = 1024
 SUN_SAMPLES = 20480
-SEEDED_SUN_SAMPLES = 640  # times 32 seeds as many as ``mirror`` takes
+SEEDED_SUN_SAMPLES = 320
 MIRRORED = 0.1  # of hybrid at sigma 1 and above, at least
 
 

@@ -25,9 +25,10 @@ if TYPE_CHECKING:
 ESTIMATORS = ("direct", "closure", "fit", "corrected", "hybrid")
 KINDS = ("sum", "coupled")
 SLOPES = (0.3, 0.6)
-SUN_SAMPLES, SUN_THETAS = 1024, (20.0, 60.0)
+SUN_SAMPLES = {"mirror": 1024, "hybrid": 256, "corrected": 64}
+SUN_THETAS = (20.0, 60.0)
 MIRRORED = 0.05  # of hybrid, at least
-NOISY_ROWS = 20  # of the plan, judged by Z-tests; a test holds it to the plan
+NOISY_ROWS = 14  # of the plan, judged by Z-tests; a test holds it to the plan
 
 
 def preset(kind: str, m: float) -> Preset:
@@ -85,7 +86,7 @@ def sun_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     row = Row(f"{estimator}, sun", setup, kind, m)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
-        row.views.append(sun_view(preset(kind, m), setup, estimator, geometry, SUN_SAMPLES, MIRRORED))
+        row.views.append(sun_view(preset(kind, m), setup, estimator, geometry, SUN_SAMPLES[estimator], MIRRORED))
     return row
 
 
@@ -102,5 +103,5 @@ def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
         for estimator in ("mirror", "hybrid"):
             rows += [(furnace_row, (estimator, setup, kind, 0.3)) for kind in KINDS]
         for estimator in ("mirror", "hybrid", "corrected"):
-            rows += [(sun_row, (estimator, setup, kind, 0.3)) for kind in KINDS]
+            rows.append((sun_row, (estimator, setup, "coupled", 0.3)))
     return rows

@@ -262,13 +262,10 @@ def check(
     if json_file is not None:
         check_writable(json_file)
     _with_blender()
-    from . import check as checking
-    from . import check_glass, check_hybrid, check_oren_nayar, check_sum
+    from . import check_all
 
-    plans = [*checking.plan(), *check_hybrid.plan(), *check_oren_nayar.plan(), *check_sum.plan()]
-    every = [*((row, arguments, {}) for row, arguments in plans), *check_glass.plan()]
-    plan = [item for item in every if not quick or item[1][-1] == 0.3]
-    rows = [measure_row(*arguments, **more) for measure_row, arguments, more in _progress(plan, "measuring")]
+    plan = [(measure, arguments) for measure, arguments in check_all.plan() if not quick or arguments[-1] == 0.3]
+    rows = [measure_row(*arguments) for measure_row, arguments in _progress(plan, "measuring")]
     table = Table("estimator", "run as", "Fresnel", "m", "worst", "bar", "resolves", "")
     for row in rows:
         worst, bar = (f"{row.error:.2%}", f"{row.bar:.2%}") if row.is_noisy else (f"{row.error:.1e}", f"{row.bar:.1e}")

@@ -206,14 +206,12 @@ def test_check_exits_0_and_writes_json(tmp_path):
 @pytest.mark.blender
 def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
     """A reference that is 1 % off ends in exit code 1."""
-    from vgroove.addon import check, cli
+    from vgroove.addon import check, check_all, cli
 
-    monkeypatch.setattr(check, "plan", lambda: [(check.direct_row, (check.SETUPS[0], "schlick", 0.3))])
-    original = check.direct_row
-    monkeypatch.setattr(
-        check, "plan", lambda: [(lambda *a: original(*a).scaled(1.01), (check.SETUPS[0], "schlick", 0.3))]
-    )
-    assert cli._run(lambda: cli.app(["check"], standalone_mode=False)) == 1
+    row = check.direct_row(check.SETUPS[0], "schlick", 0.3)
+    for factor, code in ((1.0, 0), (1.01, 1)):
+        monkeypatch.setattr(check_all, "plan", lambda factor=factor: [(row.scaled, (factor,))])
+        assert cli._run(lambda: cli.app(["check"], standalone_mode=False)) == code
 
 
 def test_explain_says_what_is_built_and_what_is_not():

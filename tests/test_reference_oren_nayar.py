@@ -2,6 +2,7 @@
 """Oren-Nayar against a second transcription in the paper's own angles, the short form against the full, and the fit."""
 
 import re
+from functools import partial
 from math import cos, pi, sin, tan
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from vgroove.addon.reference import OrenNayar, albedo, oren_nayar, oren_nayar_fit, spherical
+from vgroove.addon.reference.oren_nayar_fit import oren_nayar_hybrid
 from vgroove.addon.reference.quadrature import diffuse_albedo, panels
 
 SIGMAS = (0.1, 0.3, 0.6, 1.0, np.pi / 2)
@@ -157,3 +159,26 @@ def test_fit_is_lambert_without_roughness(qualitative):
     lambert, retro = oren_nayar_fit.weights([1.0, 0.5, 0.0], (0.1, 0.5, 1.0), 0.0, qualitative=qualitative)
     assert retro.tolist() == [[0.0] * 3] * 3
     assert lambert.tolist() == [[0.1, 0.5, 1.0]] * 3
+
+
+@pytest.mark.parametrize("qualitative", [False, True])
+@pytest.mark.parametrize("bound", [0.001, 0.005, 0.02, 0.05])
+def test_hybrid_has_no_more_too_much_than_its_bound(qualitative, bound):
+    """At sigmas, views and albedos off the tool's grid. The quadrature is good to 1e-4 of the albedo."""
+    wo = spherical(np.radians([0.0, 25.0, 48.0, 65.0, 74.0, 81.0, 87.0, 89.0]))
+    most = 0.0
+    for sigma in (0.07, 0.28, 0.52, 0.83, 1.21, 1.5):
+        for colors in ((1e-5, 0.3, 0.6), (0.75, 0.93, 1.0)):
+            held = {"albedo": colors, "sigma": sigma, "qualitative": qualitative}
+            energy = diffuse_albedo(wo, partial(oren_nayar, **held), 64)
+            both = diffuse_albedo(wo, partial(oren_nayar_hybrid, bound=bound, **held), 64)
+            most = max(most, float(np.max((both - energy) / energy)))
+    assert most <= bound + 1e-4
+
+
+def test_hybrid_is_the_model_where_the_share_carries_nothing_too_much():
+    """Lambert is Cycles' own."""
+    wi, wo = spherical(0.5, 1.0), spherical(0.9)
+    np.testing.assert_allclose(oren_nayar_hybrid(wi, wo, 0.5, 0.0, 0.005), 0.5 / np.pi * np.ones(3), rtol=1e-12)
+    with pytest.raises(ValueError, match="bound"):
+        oren_nayar_hybrid(wi, wo, 0.5, 0.3, 0.5)

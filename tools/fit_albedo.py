@@ -18,8 +18,8 @@ from vgroove.addon.reference import Dielectric, Schlick, spherical, vgroove_g
 from vgroove.addon.reference import cook_torrance_albedo as quick
 
 DEGREES = 6, 5  # in x and m
-SLOPES = (0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
-ANGLES = (*range(0, 80, 4), 80, 82, 84, 86, 87, 88, 89, 89.5, 89.9)
+SLOPES = (0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+ANGLES = (*range(0, 80, 4), 80, 82, 84, 86, 87, 88, 88.5, 89, 89.3, 89.6, 89.8, 89.9, 89.97)
 FRESNELS = {"eta 1.1": Dielectric(1.1), "eta 1.33": Dielectric(1.33), "eta 1.5": Dielectric(1.5),
             "eta 2.4": Dielectric(2.4), "Schlick 0": Schlick(0.0), "F = 1": Schlick(1.0)}  # fmt: skip
 IMPORTANCE = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.3])  # F = 1 couples with no base

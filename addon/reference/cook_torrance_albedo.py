@@ -4,7 +4,7 @@
 E(wo) is the mean of F(v.h) over the facets that send light on, times their share. Gauss's rule for that distribution
 of v.h has three cosines and weights, whatever F is. ``tools/fit_albedo.py`` fits both by polynomials in
 (2x - 1, 2m - 1), x as in ``cook_torrance_fit``, and writes ``cook_torrance_albedo.toml``; for dielectrics they are
-within 0.0014 of the integral, for F = 1 within 0.006 (the tool prints it by slope).
+within 0.003 of the integral, for F = 1 within 0.007 (the tool prints it by slope).
 
 Source of the rule: Golub & Welsch 1969, Calculation of Gauss Quadrature Rules, Math. Comp. 23(106).
 """
