@@ -13,10 +13,11 @@ import numpy as np
 
 from . import gonio
 from .check import CLOSURE_SLOPES, SETUPS, Row, Setup, materials, native_row
-from .check_seeds import BOUND, furnace_directions, furnace_view, sun_view
+from .check_seeds import furnace_directions, furnace_view, sun_view
 from .reference import albedo, cook_torrance
 from .reference.cook_torrance_fit import cook_torrance_hybrid
 from .reference.directions import dot
+from .reference.hybrid import DEFAULT_BOUND
 from .reference.quadrature import gauss_legendre
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     preset = materials()[fresnel].with_parameters(m=m)
     F = preset.reference_fresnel()
     wo = furnace_directions()
-    coarse, fine = (np.stack([clipped(view, m, F, BOUND, nodes) for view in wo]) for nodes in (72, 100))
+    coarse, fine = (np.stack([clipped(view, m, F, DEFAULT_BOUND, nodes) for view in wo]) for nodes in (72, 100))
     expected = albedo(preset.reference(), wo) + fine
     # Two grids apart by as much say how well the reference is known.
     view = furnace_view(preset, setup, "hybrid", expected, doubt=fine - coarse)

@@ -9,10 +9,11 @@ import numpy as np
 
 from . import check, gonio
 from .check import Row, Setup, View
-from .check_seeds import BOUND, furnace_directions, furnace_view, sun_view
+from .check_seeds import furnace_directions, furnace_view, sun_view
 from .presets import Preset, parse
 from .reference import OrenNayar, rendered
 from .reference import oren_nayar_fit as fit
+from .reference.hybrid import DEFAULT_BOUND
 from .reference.quadrature import diffuse_albedo
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def sun_row(setup: Setup, kind: str, sigma: float) -> Row:
 def hybrid_furnace_row(setup: Setup, kind: str, sigma: float) -> Row:
     """``hybrid`` under a uniform white world: the directional albedo of ``oren_nayar_hybrid``."""
     of = preset(kind, sigma)
-    evaluate = rendered(model(of), "hybrid", BOUND)
+    evaluate = rendered(model(of), "hybrid", DEFAULT_BOUND)
     coarse, fine = (diffuse_albedo(furnace_directions(), evaluate, nodes) for nodes in (96, 160))
     view = furnace_view(of, setup, "hybrid", fine, doubt=fine - coarse)
     return Row("hybrid, furnace", setup, kind, sigma, [view])

@@ -13,13 +13,13 @@ import numpy as np
 from . import gonio
 from .check import Setup, View, disc, measure, pool
 from .reference import rendered
+from .reference.hybrid import DEFAULT_BOUND
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .presets import Preset
 
-BOUND = 0.005
 SUN_SEEDS = 32
 FURNACE_SIZE = 32
 
@@ -55,7 +55,7 @@ def sun_view(
 
     share: at least how many of a pixel's samples look for the sun by a random ray.
     """
-    evaluate = rendered(preset.reference(), estimator, BOUND)
+    evaluate = rendered(preset.reference(), estimator, DEFAULT_BOUND)
     wo = geometry.wo()
     expected = np.zeros_like(wo)
     # The disc has the radiance that lights a facing plane with 1/cos(theta_i).

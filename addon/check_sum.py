@@ -11,10 +11,11 @@ from . import check, gonio
 from .check import SETUPS, Row, Setup
 from .check_hybrid import clipped
 from .check_oren_nayar import SUN_ANGLE
-from .check_seeds import BOUND, furnace_directions, furnace_view, sun_view
+from .check_seeds import furnace_directions, furnace_view, sun_view
 from .presets import Preset, parse
 from .reference import CookTorrance, OrenNayar, Sum, albedo, rendered
 from .reference.estimators import quick_diffuse_share
+from .reference.hybrid import DEFAULT_BOUND
 from .reference.quadrature import diffuse_albedo
 
 if TYPE_CHECKING:
@@ -74,10 +75,10 @@ def _sent_back(of: Preset, estimator: str, nodes: int) -> NDArray[np.float64]:
     diffuse, specular = model.diffuse, model.specular
     assert isinstance(diffuse, OrenNayar)  # noqa: S101
     assert isinstance(specular, CookTorrance)  # noqa: S101
-    under = diffuse_albedo(wo, rendered(diffuse, estimator, BOUND), nodes)
+    under = diffuse_albedo(wo, rendered(diffuse, estimator, DEFAULT_BOUND), nodes)
     over = albedo(specular, wo)
     if estimator == "hybrid":
-        over = over + np.stack([clipped(view, of.m, specular.fresnel, BOUND, nodes) for view in wo])
+        over = over + np.stack([clipped(view, of.m, specular.fresnel, DEFAULT_BOUND, nodes) for view in wo])
     return quick_diffuse_share(model, wo) * under + model.s * over
 
 

@@ -19,6 +19,7 @@ from rich.table import Table
 
 from . import presets
 from .files import check_writable, replacing
+from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -54,6 +55,10 @@ SetOption = Annotated[
     typer.Option("--set", metavar="NAME=VALUE", help="Change a parameter: m=0.2, eta=1.5, f0=0.9,0.6,0.5"),
 ]
 BackendOption = Annotated[Backend, typer.Option(help="nodes: every device; osl: CPU and OptiX")]
+BoundOption = Annotated[
+    float,
+    typer.Option(min=BOUNDS[0], max=BOUNDS[1], help="hybrid: how much of the reflected light may be wrong"),
+]
 SamplesOption = Annotated[int, typer.Option(min=1, help="Samples a pixel")]
 SeedOption = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of Cycles' random numbers")]
 TimeOption = Annotated[
@@ -101,6 +106,7 @@ def render(
     estimator: Annotated[
         Estimator, typer.Option(help="auto: what errs least in this scene at this many samples; see explain")
     ] = Estimator.AUTO,
+    bound: BoundOption = DEFAULT_BOUND,
     at_time: TimeOption = None,
     frames: Annotated[str | None, typer.Option(metavar="A-B", help="A sequence of the scene's frames")] = None,
     samples: Annotated[
@@ -133,7 +139,7 @@ def render(
     with headless.quiet():
         shown = _open(what) if is_scene else scene.preview()
         shown.cycles.samples = samples or (shown.cycles.samples if is_scene else PREVIEW_SAMPLES)
-        _assign(shown, changed, backend, estimator, "--assign" if is_scene else "")
+        _assign(shown, changed, backend, estimator, bound, "--assign" if is_scene else "")
     if not is_scene:
         size = size or (640, 480)
     numbers: list[int | None] = [*span] or [None]
@@ -172,6 +178,7 @@ def measure(
     estimator: Annotated[
         Estimator, typer.Option(help="auto: mirror for a sun with an angle or a furnace, else direct (glass: closure)")
     ] = Estimator.AUTO,
+    bound: BoundOption = DEFAULT_BOUND,
 ) -> None:
     """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer."""
     preset = _changed(presets.find(name), settings, at_time)
@@ -203,7 +210,14 @@ def measure(
     start = time.perf_counter()
     with headless.quiet():
         image = gonio.measure_preset(
-            preset, backend, estimator, geometry, samples=samples, seed=seed, shading_osl=backend == Backend.OSL
+            preset,
+            backend,
+            estimator,
+            geometry,
+            samples=samples,
+            seed=seed,
+            shading_osl=backend == Backend.OSL,
+            bound=bound,
         )
     seconds = time.perf_counter() - start
     attributes = {
@@ -424,7 +438,9 @@ def _open(path: str) -> Any:
     return bpy.context.scene
 
 
-def _assign(shown: Any, changed: list[tuple[str, Preset]], backend: Backend, estimator: Estimator, flag: str) -> None:
+def _assign(
+    shown: Any, changed: list[tuple[str, Preset]], backend: Backend, estimator: Estimator, bound: float, flag: str
+) -> None:
     from . import material, scene
 
     if backend == Backend.OSL:
@@ -438,7 +454,8 @@ def _assign(shown: Any, changed: list[tuple[str, Preset]], backend: Backend, est
             known = ", ".join(sorted(other.name for other in shown.objects if other.type == "MESH"))
             message = f'{flag} "{name}={preset.id}": the scene has no object of that name; it has {known}'
             raise InputError(message)
-        if not material.apply(material.build(preset, material.Choice(str(backend), chosen, lamps)), [item]):
+        choice = material.Choice(str(backend), chosen, lamps, bound=bound)
+        if not material.apply(material.build(preset, choice), [item]):
             message = f'{flag} "{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise InputError(message)
         for problem in scene.problems(shown, str(backend), chosen, preset.m, preset.model):

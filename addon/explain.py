@@ -6,14 +6,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..nodegroups import eevee
 from . import lamps as lamp_binding
 from . import scene
-from .material import NATIVE, Choice, build
+from .material import NATIVE, RANDOM, Choice, build
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import Material, NodeTree, Scene
+    from bpy.types import Material, Node, NodeTree, Scene
 
     from .presets import Preset
 
@@ -22,7 +23,6 @@ FRESNEL = {
     "dielectric": "exact, from the index of refraction",
     "conductor": "exact, from n and k",
 }
-KINDS_OF_RANDOM = {"mirror", "hybrid"}
 
 
 @dataclass(frozen=True)
@@ -45,28 +45,37 @@ class Account:
 
 def explain(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> Account:
     """The material that ``preset`` gets in ``shown``, with its account; raises what ``build`` raises."""
-    pick = (
-        scene.pick(shown, preset.m, preset.model) if estimator == "auto" else scene.Pick(estimator, "it was asked for")
-    )
+    pick = scene.Pick(estimator, "it was asked for")
+    if estimator == "auto":
+        pick = scene.pick(shown, preset.m, preset.model)
     lamps = scene.lamps_to_bind(shown, pick.estimator, preset.model)
     made = build(preset, Choice(backend, pick.estimator, lamps))
-    lines = [*_kept(preset, pick, backend, made, [lamp.name for lamp in lamps]), *_left_out(preset, pick, shown, made)]
+    lines = [Line(f"estimator {pick.estimator}", pick.why, kept=True)]
+    lines += [*_model(preset), *_nodes(made, backend), *_left_out(preset, pick.estimator)]
+    lines += _lamps(pick.estimator, shown, [lamp.name for lamp in lamps])
     return Account(made, pick.estimator, lines)
 
 
-def _kept(preset: Preset, pick: scene.Pick, backend: str, made: Material, lamps: list[str]) -> Iterator[Line]:
-    nodes = sum(1 for _ in nodes_inside(made.node_tree))
-    yield Line(f"estimator {pick.estimator}", pick.why, kept=True)
+def _model(preset: Preset) -> Iterator[Line]:
+    if preset.model == "sum":
+        d, s = preset.parameters["d"], preset.parameters["s"]
+        left = f"{d:g} of what the specular part leaves" if preset.coupled else f"{d:g} of the light"
+        yield Line("diffuse part: oren_nayar", left, kept=True)
+        yield Line("specular part: cook_torrance", f"{s:g} of the light", kept=True)
+    else:
+        yield Line(f"model {preset.model}", "" if preset.kind in FRESNEL else preset.kind, kept=True)
     if preset.kind in FRESNEL:
         yield Line(f"Fresnel term: {preset.kind}", FRESNEL[preset.kind], kept=True)
-    else:
-        yield Line(f"model {preset.model}", preset.kind, kept=True)
-    yield Line(f"backend {backend}", f"{nodes} nodes in all", kept=True)
-    if lamps:
-        yield Line(f"{len(lamps)} bound lamps", f"evaluated by the formula: {', '.join(lamps)}", kept=True)
 
 
-def _left_out(preset: Preset, pick: scene.Pick, shown: Scene, made: Material) -> Iterator[Line]:
+def _nodes(made: Material, backend: str) -> Iterator[Line]:
+    found = list(nodes_inside(made.node_tree))
+    shaders = sum(node.bl_idname == "ShaderNodeScript" for node in found)
+    scripts = f", {shaders} of them OSL shader{'s' * (shaders > 1)}" if shaders else ""
+    yield Line(f"backend {backend}", f"{len(found)} nodes in all{scripts}", kept=True)
+
+
+def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
     if preset.kind in FRESNEL:
         others = [kind for kind in FRESNEL if kind != preset.kind]
         yield Line(f"Fresnel terms: {', '.join(others)}", "the preset needs one", kept=False)
@@ -77,20 +86,34 @@ def _left_out(preset: Preset, pick: scene.Pick, shown: Scene, made: Material) ->
         yield Line("transmission", "the preset is opaque", kept=False)
     if preset.model == "glass" and preset.m == 0:
         yield Line("facets and random numbers", "m = 0 is a smooth interface", kept=False)
-    elif pick.estimator not in KINDS_OF_RANDOM:
-        yield Line("random numbers", f"{pick.estimator} draws no facets", kept=False)
-    if made.node_tree.animation_data is None:
-        why = "see every lamp by themselves" if pick.estimator in NATIVE else "there is none to bind"
-        yield Line("lamp terms", f"Cycles' closures {why}" if pick.estimator in NATIVE else why, kept=False)
+    elif estimator not in RANDOM:
+        yield Line("random numbers", f"{estimator} draws no facets", kept=False)
+
+
+def _lamps(estimator: str, shown: Scene, bound: list[str]) -> Iterator[Line]:
+    if bound:
+        yield Line(f"{len(bound)} bound lamps", f"evaluated by the formula: {', '.join(bound)}", kept=True)
+    else:
+        why = "Cycles' closures see every lamp by themselves" if estimator in NATIVE else "there is none to bind"
+        yield Line("lamp terms", why, kept=False)
     unfollowed = [lamp.name for lamp in lamp_binding.of_scene(shown) if lamp_binding.refusal(lamp)]
-    if unfollowed and pick.estimator not in NATIVE:
+    if unfollowed and estimator not in NATIVE:
         yield Line(f"lamps {', '.join(unfollowed)}", "the formula cannot follow them", kept=False)
 
 
-def nodes_inside(tree: NodeTree) -> Iterator[object]:
-    """The nodes of a tree and of all groups in it, as Cycles gets them: each use of a group counts."""
-    for node in tree.nodes:
+def nodes_inside(tree: NodeTree) -> Iterator[Node]:
+    """The nodes of a tree and of all groups in it that feed what Cycles shows: each use of a group counts."""
+    ends = [node for node in tree.nodes if node.bl_idname == "NodeGroupOutput"]
+    ends += [node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial" and node.target != "EEVEE"]
+    wanted = [socket for node in ends for socket in node.inputs if socket.name != eevee.OUTPUT]
+    feeding = {node.name: node for node in ends if node.bl_idname == "ShaderNodeOutputMaterial"}
+    while wanted:
+        for link in wanted.pop().links:
+            if link.from_node.name not in feeding:
+                feeding[link.from_node.name] = link.from_node
+                wanted += link.from_node.inputs
+    for node in feeding.values():
         if node.bl_idname == "ShaderNodeGroup":
             yield from nodes_inside(node.node_tree)
-        elif node.bl_idname not in {"NodeGroupInput", "NodeGroupOutput", "NodeFrame"}:
+        elif node.bl_idname != "NodeGroupInput":
             yield node

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Literal
 import bpy
 import numpy as np
 
-from ..nodegroups.hybrid import DEFAULT_BOUND
 from ..nodegroups.osl_script import text_block
 from .material import Choice, binds, build
+from .reference.hybrid import DEFAULT_BOUND
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

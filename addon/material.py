@@ -33,10 +33,9 @@ from ..nodegroups import (
     oren_nayar_mirror,
 )
 from ..nodegroups import sum as sum_group
-from ..nodegroups.hybrid import DEFAULT_BOUND
 from . import lamps as lamp_binding
 from .presets import M_RANGE
-from .reference.hybrid import BOUNDS
+from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -70,6 +69,7 @@ BUILDERS: dict[str, dict[str, Any]] = {
 }
 UPRIGHT = {"closure", "direct"}  # estimators whose closures do not lean: others would be bent by Bump Map Correction
 NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
+RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
 EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
 KEY = "vgroove"  # custom property on a material: what it was built from
 STATE = "vgroove_state"  # its inputs as built, to tell whether an artist changed them since
@@ -191,7 +191,8 @@ def _key(preset: Preset, choice: Choice) -> str:
         for one in choice.lamps
     ]
     of_preset = [preset.id, preset.kind, preset.coupled, preset.parameters]
-    return json.dumps([*of_preset, choice.backend, choice.estimator, choice.bound, bound])
+    more = [choice.bound] if choice.estimator == "hybrid" else []
+    return json.dumps([*of_preset, choice.backend, choice.estimator, bound, *more])
 
 
 def _state(material: Material) -> str:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Time of each estimator and backend over Cycles' own Metallic BSDF, in one run on one scene.
+"""Time and noise of each estimator and backend over Cycles' own Metallic BSDF, in one run on one scene.
 
     python bench/estimators.py [--samples N] [--rounds N]
 
-A ball under an environment map (and a sun of zero size for ``direct``), 256 x 256. Each round renders every material
-once, in turn, so that what else the machine does falls on all alike; the ratio of a round is to the Metallic BSDF
-rendered in that round under the same shading system. The median of the rounds is printed.
+A ball under an environment map and a sun of zero size (``direct``: under that alone), 256 x 256. Each round renders
+every material once, in turn, so that what else the machine does falls on all alike; the ratio of a round is to the
+Metallic BSDF rendered in that round under the same shading system. The median of the rounds is printed. Noise is the
+root mean square of what two seeds differ by, at as many samples.
 """
 
 from __future__ import annotations
@@ -23,8 +24,9 @@ from vgroove.addon import headless
 headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
+import numpy as np  # noqa: E402
 
-from vgroove.addon import material, presets, scene  # noqa: E402
+from vgroove.addon import gonio, material, presets, scene  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,7 +54,7 @@ def contestants(shown: Scene) -> dict[tuple[str, str], Callable[[], Material]]:
     preset = presets.find("lecture/copper")
     makers: dict[tuple[str, str], Callable[[], Material]] = {("Metallic BSDF", s): metallic for s in ("SVM", "OSL")}
     for estimator in material.ESTIMATORS:
-        lamps = scene.lamps_to_bind(shown, estimator) if estimator == "direct" else ()
+        lamps = scene.lamps_to_bind(shown, estimator)
         for backend, system in (("nodes", "SVM"), ("nodes", "OSL"), ("osl", "OSL")):
             choice = material.Choice(backend, estimator, lamps)
             makers[f"{estimator}, {backend}", system] = lambda choice=choice: material.build(preset, choice)
@@ -71,6 +73,19 @@ def render_seconds(shown: Scene, made: Material, system: str, samples: int) -> f
     return time.perf_counter() - start
 
 
+def noise(shown: Scene, made: Material, system: str, samples: int) -> float:
+    """Root mean square of the difference between two seeds, over sqrt(2)."""
+    shown.objects["Ball"].active_material = made
+    shown.cycles.shading_system = system == "OSL"
+    shown.cycles.samples = samples
+    images = []
+    with headless.quiet():
+        for seed in (1, 2):
+            shown.cycles.seed = seed
+            images.append(gonio.rendered(shown).astype(np.float64))
+    return float(np.sqrt(np.mean((images[0] - images[1]) ** 2) / 2.0))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=256)
@@ -79,6 +94,7 @@ def main() -> None:
     with headless.quiet():
         shown = scene.preview()
         bpy.data.objects.remove(shown.objects["Floor"])
+    shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
     makers = contestants(shown)
     materials = {key: make() for key, make in makers.items()}
     ratios: dict[tuple[str, str], list[float]] = {key: [] for key in makers}
@@ -88,10 +104,13 @@ def main() -> None:
         seconds = {key: render_seconds(shown, made, key[1], options.samples) for key, made in materials.items()}
         for key, value in seconds.items():
             ratios[key].append(value / seconds["Metallic BSDF", key[1]])
-    table = Table("material", "run as", "time over Metallic BSDF", "spread", title=f"{options.samples} samples")
+    noises = {key: noise(shown, made, key[1], options.samples) for key, made in materials.items()}
+    title = f"{options.samples} samples; time and noise over Metallic BSDF"
+    table = Table("material", "run as", "time", "spread", "noise", title=title)
     for (name, system), values in ratios.items():
         spread = f"{min(values):.2f} to {max(values):.2f}"
-        table.add_row(name, system, f"{statistics.median(values):.2f}", spread)
+        louder = noises[name, system] / noises["Metallic BSDF", system]
+        table.add_row(name, system, f"{statistics.median(values):.2f}", spread, f"{louder:.2f}")
     Console().print(table)
     print(f"Blender {'.'.join(map(str, bpy.app.version))}, median of {options.rounds} rounds")
 

@@ -5,12 +5,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..addon.reference.hybrid import BOUNDS
+from ..addon.reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 if TYPE_CHECKING:
     from ._tree import Tree, Value
-
-DEFAULT_BOUND = 0.005
 
 
 def bound_input(tree: Tree) -> Value:

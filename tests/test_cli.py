@@ -41,6 +41,7 @@ def test_presets_as_json_hold_the_contract():
         (["render", "copper", "-o", "a.png", "--set", "m=-1"], "m must be between"),
         (["render", "copper", "-o", "a.png", "--set", "m=nan"], "m must be between"),
         (["render", "copper", "-o", "a.png", "--set", "q=1"], 'unknown key "q"'),
+        (["render", "copper", "-o", "a.png", "--bound", "0.5"], "Invalid value for '--bound'"),
         (["render", "copper", "-o", "a.png", "--time", "1"], "does not change over time"),
         (["render", "copper", "-o", "a.png", "--frames", "1-3"], "needs #### in the file name"),
         (["render", "copper", "-o", "a_##.png", "--frames", "3-1"], "write FIRST-LAST"),
@@ -222,6 +223,9 @@ def test_explain_says_what_is_built_and_what_is_not():
     for part in ("estimator", "Fresnel term: schlick", "left out", "transmission", "random numbers"):
         assert part in text
     assert "smooth interface" in " ".join(vgroove("explain", "dielectrics/water").stdout.split())
+    plastic = " ".join(vgroove("explain", "red_plastic").stdout.split())
+    for part in ("diffuse part: oren_nayar", "specular part: cook_torrance", "Fresnel term: dielectric"):
+        assert part in plastic
     refused = vgroove("explain", "dielectrics/water", "--estimator", "fit")
     assert refused.returncode == 2
     assert 'which has no estimator "fit"; use one of closure, mirror' in refused.stderr

@@ -68,6 +68,17 @@ def test_apply_gives_the_preset_to_selected_objects(extension, backend, estimato
     assert tuple(node.inputs["F0"].default_value)[:3] == pytest.approx((0.95, 0.64, 0.54))
 
 
+def test_apply_gives_hybrid_the_bound_of_the_panel(extension):
+    """In percent there, a share in the node."""
+    settings = extension.context.scene.vgroove
+    settings.preset, settings.estimator, settings.bound = "plastics/red_plastic", "hybrid", 2.0
+    with headless.quiet():
+        assert extension.ops.vgroove.apply() == {"FINISHED"}
+    nodes = extension.context.object.active_material.node_tree.nodes
+    node = next(node for node in nodes if node.bl_idname == "ShaderNodeGroup" and "Bound" in node.inputs)
+    assert node.inputs["Bound"].default_value == pytest.approx(0.02)
+
+
 def test_apply_is_one_undo_step(extension):
     """One Ctrl-Z gives the cube its old material back."""
     stage = extension.context.scene

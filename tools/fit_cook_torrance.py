@@ -28,12 +28,42 @@ RADII, TURNS = 48, 40  # of the grid of facets
 DEGREE_X, DEGREE_M = 7, 6
 ACROSS_X = 4  # degree in x of the slope across, which all lobes share
 SLOPES = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
-ANGLES = (0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 68, 70, 73, 75, 78, 80, 82, 84, 85.5, 87, 89)
+ANGLES = (
+    0,
+    0.2,
+    1,
+    2.5,
+    5,
+    10,
+    15,
+    20,
+    25,
+    30,
+    35,
+    40,
+    45,
+    50,
+    55,
+    60,
+    65,
+    68,
+    70,
+    73,
+    75,
+    78,
+    80,
+    82,
+    84,
+    85.5,
+    87,
+    89,
+)
 PRINTED = (0, 20, 40, 60, 75, 85)
 ROUNDS = 7  # of counting those cells for more
 NEAR = 1.12
+MOST = 0.0375, 0.08  # L1 that no cell should pass, up to m = 0.4 and up to 1: below what tests demand
 SMOOTHING = 3e-4  # of the peak: below this |r| is taken for r^2
-ALBEDO = 0.005  # share by which the mixture's albedo may differ before it costs
+ALBEDO = 0.007  # share by which the mixture's albedo may differ before it costs
 
 
 class Cell:
@@ -63,7 +93,8 @@ class Cell:
         self.albedo = float(self.f_cos @ self.solid_angle)
         s, c = np.sin(self.angle), np.cos(self.angle)
         self.x = m * s / (c + m * s)
-        self.basis = np.outer(_chebyshev(self.x, DEGREE_X), _chebyshev(m, DEGREE_M)).ravel()
+        held = max(self.x, fit.NEAREST)
+        self.basis = np.outer(_chebyshev(held, DEGREE_X), _chebyshev(m, DEGREE_M)).ravel()
 
     def lobes(self, functions: np.ndarray) -> fit.Lobes:
         """Lobes from the values of ``fit.FUNCTIONS``, one after the other, as ``fit.lobes`` makes them."""
@@ -274,6 +305,7 @@ def search() -> np.ndarray:
     floor = np.array([cell.distance(best_two(cell))[0] for cell in cells])
     # Beyond 85.5 degrees the model's own shape is extreme; a cell there counts for little.
     within = np.array([cell.angle < np.radians(86.0) for cell in cells])
+    most = np.array([MOST[cell.m > 0.4] for cell in cells])
     importance = np.where(within, 1.0, 0.1) / (floor + 0.003)
     powers_x = np.repeat(np.arange(DEGREE_X + 1), DEGREE_M + 1)
     powers_m = np.tile(np.arange(DEGREE_M + 1), DEGREE_X + 1)
@@ -287,12 +319,13 @@ def search() -> np.ndarray:
         loss, coefficients = Table(cells, importance, free).descend(coefficients, steps)
         held = [np.clip(coefficients @ cell.basis, *cell.limits((len(START) - 1) // 3)) for cell in cells]
         distance = np.array([cell.distance(functions)[0] for cell, functions in zip(cells, held, strict=True)])
-        beyond = float(np.max((distance - 1.15 * floor)[within]))
-        print(f"degrees {degree_x}, {degree_m}: loss {loss:.4f}, beyond 1.15 of the best two lobes by {beyond:.5f}")
+        beyond = float(np.max(np.maximum(distance - 1.15 * floor, distance - 1.04 * most)[within]))
+        print(f"degrees {degree_x}, {degree_m}: loss {loss:.4f}, beyond what is aimed at by {beyond:.5f}", flush=True)
         if beyond < best[0]:
             best = beyond, coefficients
         if degree_x == DEGREE_X:
-            over = np.clip(distance / (NEAR * floor + 0.0004), 0.6, 2.0) ** 2
+            over = np.clip(distance / np.minimum(NEAR * floor + 0.0004, most), 0.6, 2.0) ** 2
+            over *= np.where(distance > most, 1.5, 1.0)
             importance = np.minimum(importance * np.where(within, over, 1.0), 30.0 / (floor + 0.001))
     return best[1]
 

@@ -11,6 +11,7 @@ from .cook_torrance import CookTorrance, Smooth, cook_torrance
 from .cook_torrance_albedo import quick_albedo
 from .cook_torrance_fit import cook_torrance_fit, cook_torrance_hybrid
 from .distributions import smith_g
+from .hybrid import DEFAULT_BOUND
 from .oren_nayar import OrenNayar
 from .oren_nayar_fit import closure_roughness, cycles_diffuse, oren_nayar_fit, oren_nayar_hybrid
 from .sum import Sum
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     Brdf = Callable[[Any, Any], Floats]
 
 
-def rendered(model: Model, estimator: str, bound: float = 0.005) -> Brdf:
+def rendered(model: Model, estimator: str, bound: float = DEFAULT_BOUND) -> Brdf:
     """f(wi, wo) in 1/sr, (..., 3), as ``estimator`` has it; ``bound`` is that of ``hybrid``.
 
     ``fit``: the mixture. ``closure``: Cycles' own model. ``hybrid``: max(f, c f_fit). Others: f.

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .directions import Floats
 
 BOUNDS = (0.001, 0.05)  # of the part that may be wrong, as a share of the directional albedo
+DEFAULT_BOUND = 0.005
 
 
 def share(coefficients: Floats, y: Floats, n: Floats, bound: ArrayLike) -> Floats:

@@ -33,7 +33,8 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         try:
             preset = presets.find(settings.preset)
             lamps = scene.lamps_to_bind(context.scene, estimator, preset.model)
-            made = material.build(preset, material.Choice(settings.backend, estimator, lamps))
+            choice = material.Choice(settings.backend, estimator, lamps, bound=settings.bound / 100.0)
+            made = material.build(preset, choice)
         except (presets.PresetError, material.MaterialError, OslError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

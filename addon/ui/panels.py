@@ -31,6 +31,8 @@ class VGROOVE_PT_material(bpy.types.Panel):
         split = column.split(factor=0.4)  # under the menu, and kept when nothing is picked: buttons must not jump
         split.label()
         split.label(text=f"Picks {picked.estimator.title()} here" if settings.estimator == "auto" else "")
+        if picked.estimator == "hybrid":
+            column.prop(settings, "bound", slider=True)
         row = layout.row()
         row.scale_y = 1.4
         row.operator("vgroove.apply", icon="MATERIAL")

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from .. import presets
+from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 BACKENDS = (
     (
@@ -40,7 +41,7 @@ ESTIMATORS = (
     (
         "hybrid",
         "Hybrid",
-        "Fit for the most part, the rest by Mirror: exact within a bound of 0.5 %, with less noise than Mirror",
+        "Fit for the most part, the rest by Mirror: exact within a bound that you set, with less noise than Mirror",
         6,
     ),
     ("mirror", "Mirror", "Exact: a random facet for each sample. Lamps of zero size are added by the formula", 2),
@@ -73,6 +74,15 @@ class VGrooveSettings(bpy.types.PropertyGroup):
     )
     estimator: bpy.props.EnumProperty(
         name="Estimator", description="How the formula reaches the renderer", items=ESTIMATORS, default="auto"
+    )
+    bound: bpy.props.FloatProperty(
+        name="Bound",
+        description="How much of the reflected light Hybrid may have wrong; less is noisier",
+        default=100.0 * DEFAULT_BOUND,
+        min=100.0 * BOUNDS[0],
+        max=100.0 * BOUNDS[1],
+        subtype="PERCENTAGE",
+        precision=1,
     )
 
 
