@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..addon.reference.cook_torrance_fit import NARROWEST, NEAREST
+from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import cook_torrance, ensure
 from . import cook_torrance_closure as closure
 from ._tree import Tree, Value, cross, dot, length, maximum, minimum, normalize, scale, sqrt, vector
@@ -96,7 +96,7 @@ def build_lobes(tree: Tree) -> None:
     m = minimum(slope, 1.0)
     x, aside = grazing(tree, m, N)
     with tree.frame("The table's polynomials, one component a lobe"):
-        y, n = 2.0 * maximum(x, NEAREST) - 1.0, 2.0 * m - 1.0
+        y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
         weight, anisotropy, tilt = (
             horner2(by_lobe(name), vector(y, y, y), vector(n, n, n)) for name in ("weight", "anisotropy", "tilt")
         )

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
 TABLE = Path(__file__).with_suffix(".toml")
 FUNCTIONS = ("weight", "anisotropy", "tilt", "across")
-NEAREST = 0.001  # x below which polynomials are held: a weight that reaches 0 there would show as a bright dot
 NARROWEST = 0.1  # within over across: what Cycles' Metallic BSDF offers
 
 
@@ -71,14 +70,13 @@ def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = 
 
     With x = m s / (c + m s), c = n.v, s = sin: 0 head-on, 1 at grazing, and alike for all m where m is small:
     weight = min(max(w, 0), 1);  across = min(1, m a), the same for all;  within = across (1 - 0.9 min(max(x r, 0), 1));
-    tilt = m (1 - x) s t. The polynomials w, a, r and t are taken at max(x, 0.001).
-    Head-on every lobe is round and upright, as it must be to stay continuous there.
+    tilt = m (1 - x) s t. Head-on every lobe is round and upright, as it must be to stay continuous there.
 
     wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
     s, x, m = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), grazing(wo, m), m)
-    values = (polynomial((coefficients or table())[name], np.maximum(x, NEAREST), m) for name in FUNCTIONS)
+    values = (polynomial((coefficients or table())[name], x, m) for name in FUNCTIONS)
     return shaped(m[..., None], x[..., None], s[..., None], *values)
 
 

@@ -22,10 +22,10 @@ float fit_share(normal n, vector wo, float slope, float bound)
 
 void fit_lobes(normal n, vector wo, float slope, output Lobe lobes[FIT_LOBES])
 {
-    float m = min(slope, 1), x = fit_x(n, wo, m), held = max(x, 0.001);
+    float m = min(slope, 1), x = fit_x(n, wo, m);
     vector aside = wo - dot(n, wo) * n;
-    vector weight = fit_weight(held, m), anisotropy = x * fit_anisotropy(held, m), tilt = fit_tilt(held, m);
-    float across = min(m * fit_across(held, m), 1);
+    vector weight = fit_weight(x, m), anisotropy = x * fit_anisotropy(x, m), tilt = fit_tilt(x, m);
+    float across = min(m * fit_across(x, m), 1);
     vector lean = m * (1 - x) * aside;
     for (int k = 0; k < FIT_LOBES; ++k) {
         lobes[k].weight = clamp(weight[k], 0, 1);
