@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Time and noise of each estimator and backend over Cycles' own Metallic BSDF, in one run on one scene.
 
-    python bench/estimators.py [--samples N] [--rounds N]
+    python bench/estimators.py [--samples N] [--rounds N] [--system SVM|OSL]
 
 A ball under an environment map and a sun of zero size (``direct``: under that alone), 256 x 256. Each round renders
 every material once, in turn, so that what else the machine does falls on all alike; the ratio of a round is to the
@@ -90,12 +90,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=256)
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--system", choices=("SVM", "OSL"), help="only what runs so; both if left out")
     options = parser.parse_args()
     with headless.quiet():
         shown = scene.preview()
         bpy.data.objects.remove(shown.objects["Floor"])
     shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
-    makers = contestants(shown)
+    makers = {key: make for key, make in contestants(shown).items() if options.system in {None, key[1]}}
     materials = {key: make() for key, make in makers.items()}
     ratios: dict[tuple[str, str], list[float]] = {key: [] for key in makers}
     for key, made in materials.items():  # a first, short render of each loads the map and compiles

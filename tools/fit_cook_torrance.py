@@ -401,6 +401,7 @@ def print_table() -> None:
     """L1 in percent: the plain closure, the best two lobes for the cell alone, the table; and the albedo's error."""
     print("L1 in %: plain closure / best two lobes for this cell / the table (its albedo's error)")
     print("    m", *(f"{degrees:>24} deg" for degrees in PRINTED))
+    beyond = []
     for m in SLOPES:
         line = []
         for degrees in PRINTED:
@@ -410,8 +411,11 @@ def print_table() -> None:
             of = fit.lobes(cell.wo, m)
             r = np.sum(fit.weighted_lobes(cell.wi, cell.wo, of), axis=-1) - cell.f_cos
             table, error = (float(part @ cell.solid_angle / cell.albedo) for part in (np.abs(r), r))
+            beyond.append(table - 1.15 * best)
             line.append(f"{100 * plain:6.2f} /{100 * best:5.2f} /{100 * table:5.2f} ({100 * error:+.2f})")
         print(f"{m:5.2f}", *(f"{text:>28}" for text in line), flush=True)
+    over = sum(part > 0 for part in beyond)
+    print(f"beyond 1.15 of the best two lobes in {over} of {len(beyond)} cells, by at most {100 * max(beyond):.2f} %")
 
 
 def write(numbers: dict[str, np.ndarray]) -> None:
