@@ -282,7 +282,8 @@ def exact_row(
     native = estimator in NATIVE
     evaluate = rendered(model, estimator if native else "direct")
     scales = [rendered(lobe, estimator if native else "direct")]
-    scales += [rendered(lobe, "fit")] if estimator in {"corrected", "hybrid"} else []
+    signed = estimator in {"corrected", "hybrid"}  # a difference of two equal numbers, which may round to below 0
+    scales += [rendered(lobe, "fit")] if signed else []
     for theta_i in THETAS:
         for window in windows:
             geometry = gonio.Geometry(theta_i, window)
@@ -291,7 +292,7 @@ def exact_row(
             peak = float(np.max(scales[0](wi, wi * [-1.0, -1.0, 1.0])))
             scale = max(*(float(np.max(f(wi, wo))) for f in scales), 2.0**-64 * peak)
             image = measure(preset, setup, estimator, geometry)
-            if np.min(image) >= -bar * scale:  # a difference of two equal numbers may round to below 0
+            if signed and np.min(image) >= -bar * scale:
                 image = np.maximum(image, 0.0)
             row.views.append(View(geometry, image, evaluate(wi, wo), bar, scale))
     return row
