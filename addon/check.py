@@ -44,6 +44,7 @@ FURNACE_SAMPLES = 1024
 # Samples a pixel, so that the row resolves a common error of 1 %: broad lobes seldom hit a disc of 10 degrees.
 SUN_SAMPLES = {0.1: 8192, 0.3: 16384, 0.6: 32768, 1.0: 81920}
 NOISY_ROWS = 32  # rows of the plan that are judged by Z-tests; a test holds it to the plan
+OWN_SEEDS = 100  # degrees of freedom to which a variance may be a pixel's own; beyond, it is that of many
 ROUNDING = 2.0**-24  # float32 rounds a number near 1 by up to this much
 
 
@@ -170,12 +171,13 @@ def _noisy(view: View) -> tuple[NDArray[np.float64], ...]:
     """Measured, expected and variance of the pixels that carry noise; where the weight is constant there is none.
 
     One channel: the random facet is common to all three, so they are no independent evidence. Where the variance is an
-    estimate, pixels that came out dark by chance have a small one too and would count for more: there all are summed.
+    estimate from a pixel's own few seeds, those that came out dark by chance have a small one too and would count for
+    more: there all are summed.
     """
     assert view.variance is not None
     measured, expected, variance = (image[..., 0] for image in (view.measured, view.expected, view.variance))
     rounding = np.square(expected * 2.0**-15.5)
-    if np.isinf(view.degrees):
+    if view.degrees > OWN_SEEDS:
         live = variance > rounding
         return measured[live], expected[live], variance[live]
     return tuple(np.sum(column, keepdims=True) for column in (measured, expected, variance + rounding))

@@ -42,7 +42,7 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     preset = materials()[fresnel].with_parameters(m=m)
     F = preset.reference_fresnel()
     wo = furnace_directions()
-    coarse, fine = (np.stack([clipped(view, m, F, DEFAULT_BOUND, nodes) for view in wo]) for nodes in (72, 100))
+    coarse, fine = (np.stack([clipped(view, m, F, DEFAULT_BOUND, nodes) for view in wo]) for nodes in (140, 200))
     expected = albedo(preset.reference(), wo) + fine
     # Two grids apart by as much say how well the reference is known.
     view = furnace_view(preset, setup, "hybrid", expected, doubt=fine - coarse)

@@ -41,7 +41,8 @@ def furnace_view(
     """Under a white sky, against the albedo of each ``furnace_directions``, (32, 3), known to within ``doubt``."""
     shape = np.ones((FURNACE_SIZE, FURNACE_SIZE, 3))
     images = np.stack([measure(preset, setup, estimator, furnace(), samples, seed) for seed in range(seeds)])
-    variance = np.var(images, axis=(0, 2), ddof=1) / seeds + np.square(doubt)
+    # A wrong reference is the same in all pixels of a row, whose sum it moves by as many times itself.
+    variance = np.var(images, axis=(0, 2), ddof=1) / seeds + FURNACE_SIZE * np.square(doubt)
     return View(
         furnace(), images.mean(axis=0), expected[:, None] * shape, variance=variance[:, None] * shape,
         degrees=seeds * FURNACE_SIZE - 1,
