@@ -24,10 +24,10 @@ from vgroove.addon.reference.cook_torrance_fit import (
 from vgroove.addon.reference.quadrature import gauss_legendre
 
 SLOPES = (0.02, 0.1, 0.17, 0.2, 0.3, 0.36, 0.4, 0.5, 0.6, 0.75, 0.9, 1.0)  # on the tool's grid and between
-ANGLES = (0.0, 0.05, 0.5, 2.0, 3.5, 8.0, 15.0, 20.0, 40.0, 60.0, 68.0, 75.0, 80.0, 85.0)
+ANGLES = (0.0, 15.0, 20.0, 40.0, 60.0, 68.0, 75.0, 80.0, 85.0)
 
 
-def facets(m, degrees, nodes=200):
+def facets(m, degrees, nodes=48):
     """wi, wo and solid angle over all facets of slope below 3.2 m, as the reference's quadrature has them."""
     wo = spherical(np.radians(degrees))
     x, weight = gauss_legendre(nodes)
