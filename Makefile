@@ -10,6 +10,8 @@ RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
 
+test test-4.5: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
+
 test: | $(UV)  ## every test, on Blender 5.2
 	$(RUN) pytest -n auto
 

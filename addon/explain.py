@@ -92,7 +92,11 @@ def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
 
 def _lamps(estimator: str, shown: Scene, bound: list[str]) -> Iterator[Line]:
     if bound:
-        yield Line(f"{len(bound)} bound lamps", f"evaluated by the formula: {', '.join(bound)}", kept=True)
+        yield Line(
+            f"{len(bound)} bound lamp{'s' * (len(bound) > 1)}",
+            f"evaluated by the formula: {', '.join(bound)}",
+            kept=True,
+        )
     else:
         why = "Cycles' closures see every lamp by themselves" if estimator in NATIVE else "there is none to bind"
         yield Line("lamp terms", why, kept=False)

@@ -70,6 +70,15 @@ def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
     elif backend == "osl" and not cycles.shading_system:
         text = "Open Shading Language is off: OSL materials render black"
         yield Problem("osl", text, "Switch OSL On", lambda: _set(cycles, shading_system=True))
+    elif backend == "osl" and cycles.device == "GPU" and _compute_device() not in {"NONE", "OPTIX"}:
+        text = f"OSL runs on the CPU and on OptiX, not on {_compute_device()}; choose the backend Nodes"
+        yield Problem("device", text, "Render on the CPU", lambda: _set(cycles, device="CPU"))
+
+
+def _compute_device() -> str:
+    """What Blender's preferences have for rendering on a GPU: NONE, CUDA, OPTIX, HIP, METAL or ONEAPI."""
+    addon = bpy.context.preferences.addons.get("cycles")
+    return addon.preferences.compute_device_type if addon else "NONE"
 
 
 def _mirror_problems(scene: Scene, estimator: str = "mirror", model: str = "cook_torrance") -> Iterator[Problem]:

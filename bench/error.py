@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error of each estimator against the V-groove model, noise and bias together, by samples, on three scenes.
+"""Error of each estimator against the V-groove model, noise and bias together, against run time, on three scenes.
 
-    python bench/error.py [--write] [--json FILE]   --write: also docs/error.md; what FILE holds is not measured anew
+    python bench/error.py [--write] [--json FILE]   --write: also docs/error.md and its picture; what FILE holds is not
+                                                    measured anew
 
 A copper ball alone, so that all its light comes straight from a lamp or the world: an environment map whose brightest
 spots are held to 3, as the truth of it would need too many samples else; a softbox (an area lamp of 1 m, 2.5 m away);
 a sun of half a degree under a dim, even sky. The truth is the sum of two images: the
 world by ``mirror``, the lamp by ``direct``, each of many samples. The error is the root mean square of what differs,
-as a share of the root mean square of the truth, over the pixels of the ball.
+as a share of the root mean square of the truth, over the pixels of the ball. Times are over those of ``closure`` at as
+many samples in the same round.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import time
 from dataclasses import asdict, dataclass
 from math import radians
 from pathlib import Path
@@ -27,6 +30,7 @@ from vgroove.addon import headless
 headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
+import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 from vgroove.addon import gonio, material, presets, scene  # noqa: E402
@@ -42,17 +46,20 @@ WORLD_SAMPLES, LAMP_SAMPLES = 65536, 16384
 SCENES = ("environment", "softbox", "sun")
 LABELS = {"environment": "environment map", "softbox": "softbox", "sun": "half-degree sun, dim sky"}
 BRIGHTEST = 3.0
-TABLE = Path(__file__).parent.parent / "docs" / "error.md"
+DOCS = Path(__file__).parent.parent / "docs"
+TABLE, PICTURE = DOCS / "error.md", DOCS / "images" / "error.png"
 
 
 @dataclass(frozen=True)
 class Measured:
-    """The error of each estimator at one sample count."""
+    """The error and the run time of each estimator at one sample count; times over that of ``closure``."""
 
     scene: str
     m: float
     samples: int
     errors: dict[str, float]
+    times: dict[str, float]
+    seconds: float  # of closure
 
 
 def stage(name: str) -> Scene:
@@ -121,23 +128,34 @@ def ball() -> NDArray[np.bool_]:
 
 
 def measure(name: str, m: float) -> list[Measured]:
-    """One scene and slope, every estimator but ``direct`` at each sample count; the median of three seeds."""
+    """One scene and slope, every estimator at each sample count; the median of three seeds."""
     found = []
     seen = ball()
     with headless.quiet():
         shown = stage(name)
         exact = truth(shown, m)[seen]
         scale = np.sqrt(np.mean(exact**2))
-        estimators = [name for name in material.ESTIMATORS if name != "direct"]
-        if not shown.objects.get("Lamp"):
-            estimators.remove("corrected")  # the same as fit
+        # Without lamps corrected is fit, and direct is black.
+        estimators = [e for e in material.ESTIMATORS if shown.objects.get("Lamp") or e not in material.EVERY_LAMP]
+        for estimator in estimators:
+            image(shown, m, estimator, 1)  # loads and compiles
         for samples in SAMPLES:
-            errors = {}
-            for estimator in estimators:
-                off = [image(shown, m, estimator, samples, seed)[seen] - exact for seed in (1, 2, 3)]
-                errors[estimator] = float(np.median([np.sqrt(np.mean(part**2)) for part in off]) / scale)
-            found.append(Measured(name, m, samples, errors))
+            rounds = [{e: timed(shown, m, e, samples, seed) for e in estimators} for seed in (1, 2, 3)]
+            errors, times = {}, {}
+            for e in estimators:
+                off = [one[e][0][seen] - exact for one in rounds]
+                errors[e] = float(np.median([np.sqrt(np.mean(part**2)) for part in off]) / scale)
+                times[e] = float(np.median([one[e][1] / one["closure"][1] for one in rounds]))
+            seconds = float(np.median([one["closure"][1] for one in rounds]))
+            found.append(Measured(name, m, samples, errors, times, seconds))
     return found
+
+
+def timed(shown: Scene, m: float, estimator: str, samples: int, seed: int) -> tuple[NDArray[np.float64], float]:
+    """The image, and the seconds that it took."""
+    start = time.perf_counter()
+    pixels = image(shown, m, estimator, samples, seed)
+    return pixels, time.perf_counter() - start
 
 
 def picks(name: str) -> dict[tuple[float, int], str]:
@@ -157,9 +175,12 @@ def markdown(rows: list[Measured], picked: dict[str, dict[tuple[float, int], str
     lines = [
         "# Error of each estimator against the V-groove model",
         "",
-        "Root mean square of bias and noise together, in percent of the picture's, on a copper ball;",
-        "median of three seeds, by samples a pixel. **Bold**: what Automatic picks. `python bench/error.py --write`",
-        "made it.",
+        "Root mean square of bias and noise together, in percent of the picture's, on a copper ball; median of three",
+        "seeds, by samples a pixel. In brackets: run time over that of closure at as many samples, in the same round;",
+        "at 16 and 64 samples most of it is what a render needs to start. **Bold**: what Automatic picks. Direct sees",
+        "bound lamps alone: under the sky it has next to nothing. `python bench/error.py --write` made it.",
+        "",
+        "![Error against run time](images/error.png)",
     ]
     for name in SCENES:
         lines += ["", f"## {LABELS[name].capitalize()}", ""]
@@ -167,13 +188,30 @@ def markdown(rows: list[Measured], picked: dict[str, dict[tuple[float, int], str
         lines += ["| m | samples | " + " | ".join(columns) + " |", "| --- " * (len(columns) + 2) + "|"]
         for row in rows:
             if row.scene == name:
-                cells = [f"{100 * row.errors[e]:.3g}" for e in columns]
+                cells = [f"{100 * row.errors[e]:.3g} ({row.times[e]:.2f})" for e in columns]
                 cells = [
                     f"**{c}**" if e == picked[name][row.m, row.samples] else c
                     for c, e in zip(cells, columns, strict=True)
                 ]
                 lines.append(f"| {row.m:g} | {row.samples} | " + " | ".join(cells) + " |")
     return "\n".join([*lines, ""])
+
+
+def plot(rows: list[Measured]) -> None:
+    """Error against run time, a panel for each scene and slope; a dot for each sample count."""
+    with plt.rc_context({"font.size": 8, "axes.grid": True, "grid.alpha": 0.25, "axes.spines.top": False}):
+        figure, axes = plt.subplots(len(SCENES), len(SLOPES), figsize=(9, 8), sharex=True, layout="constrained")
+        for (name, m), ax in zip(((name, m) for name in SCENES for m in SLOPES), axes.flat, strict=True):
+            here = [row for row in rows if (row.scene, row.m) == (name, m)]
+            for index, e in enumerate(material.ESTIMATORS):
+                if e in here[0].errors:
+                    seconds = [row.times[e] * row.seconds for row in here]
+                    ax.loglog(seconds, [100 * row.errors[e] for row in here], ".-", label=e, color=f"C{index}", lw=1.2)
+            ax.set_title(f"{LABELS[name]}, m = {m:g}", fontsize=8)
+        axes[1, 0].set_ylabel("error, % of the picture")
+        axes[-1, 1].set_xlabel("seconds a render (48 x 48 pixels, 16 to 4096 samples)")
+        figure.legend(*axes[1, 0].get_legend_handles_labels(), loc="outside upper center", ncols=6, frameon=False)
+        figure.savefig(PICTURE, dpi=100)
 
 
 def main() -> None:
@@ -192,16 +230,16 @@ def main() -> None:
             options.json.write_text(json.dumps([asdict(row) for row in rows]))
     rows.sort(key=lambda row: (SCENES.index(row.scene), row.m, row.samples))
     picked = {name: picks(name) for name in SCENES}
-    shown = [estimator for estimator in material.ESTIMATORS if estimator != "direct"]
-    table = Table("scene", "m", "samples", *shown, "picked", "over best")
+    table = Table("scene", "m", "samples", *material.ESTIMATORS, "picked", "over best")
     for row in rows:
-        cells = [f"{row.errors[e]:.3%}" if e in row.errors else "" for e in shown]
+        cells = [f"{row.errors[e]:.3%}" if e in row.errors else "" for e in material.ESTIMATORS]
         pick = picked[row.scene][row.m, row.samples]
         over = row.errors[pick] / min(row.errors.values())
         table.add_row(row.scene, f"{row.m:g}", str(row.samples), *cells, pick, f"{over:.2f}")
     Console(width=150).print(table)
     if options.write:
         TABLE.write_text(markdown(rows, picked), encoding="utf-8")
+        plot(rows)
 
 
 if __name__ == "__main__":

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..addon.reference.cook_torrance_fit import NARROWEST
+from ..addon.reference.cook_torrance_fit import ALONE, HALF_CLIPPED, NARROWEST
 from . import cook_torrance, ensure
 from . import cook_torrance_closure as closure
-from ._tree import Tree, Value, cross, dot, length, maximum, minimum, normalize, scale, sqrt, vector
+from ._tree import Tree, Value, cross, dot, exp, length, maximum, minimum, normalize, scale, sqrt, vector
 from .cook_torrance_table import by_lobe, count, shared
 from .cook_torrance_table import share as of_share
 from .polynomial import horner2
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Fit"
-REVISION = 3
+REVISION = 4
 LOBES_NAME = "VGroove Fit Lobes"
 
 
@@ -95,18 +95,20 @@ def build_lobes(tree: Tree) -> None:
     wo = tree.geometry("Incoming")
     m = minimum(slope, 1.0)
     x, aside = grazing(tree, m, N)
+    g = clipped_share(tree, m, N, aside)
     with tree.frame("The table's polynomials, one component a lobe"):
         y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
         weight, anisotropy, tilt = (
             horner2(by_lobe(name), vector(y, y, y), vector(n, n, n)) for name in ("weight", "anisotropy", "tilt")
         )
-        across = minimum(m * horner2(shared("across"), y, n), 1.0)
+        weight = scale(weight, g) + (ALONE, 0.0, 0.0)
+        across = minimum(m * (1.0 + g * horner2(shared("across"), y, n)), 1.0)
     with tree.frame("Normals that lean away from the viewer"):
-        lean = scale(aside, m * (1.0 - x))
+        lean = scale(aside, m * (1.0 - x) * g)
         normals = [normalize(N - scale(lean, part)) for part in tilt.xyz]
     tree.output_vector("Weight", minimum(maximum(weight, 0.0), 1.0), tip="Of each lobe")
     tip = "How much narrower each lobe is within the plane of view: slope across times 1 - 0.9 of this"
-    tree.output_vector("Anisotropy", minimum(maximum(scale(anisotropy, x), 0.0), 1.0), tip=tip)
+    tree.output_vector("Anisotropy", minimum(maximum(scale(anisotropy, x * g), 0.0), 1.0), tip=tip)
     tree.output_float("Across", across, tip="RMS slope across the plane of view, of all lobes")
     for k in range(count()):
         tree.output_vector(f"Normal {k + 1}", normals[k], tip="The lobe's own normal")
@@ -121,6 +123,15 @@ def grazing(tree: Tree, m: Value, N: Value) -> tuple[Value, Value]:
         aside = wo - scale(N, c)
         ms = m * length(aside)
         return ms / maximum(maximum(c, 0.0) + ms, 1e-20), aside
+
+
+def clipped_share(tree: Tree, m: Value, N: Value, aside: Value) -> Value:
+    """How far the polynomials count: little where the V-groove clips next to no facet."""
+    with tree.frame("Share of facets that the V-groove clips"):
+        c = maximum(dot(N, tree.geometry("Incoming")), 0.0)
+        steepest = c / (3.0**0.5 + (3.0 - 3.0**0.5) * length(aside)) / m
+        q = exp(-(steepest * steepest))
+        return q / (q + HALF_CLIPPED)
 
 
 def share(tree: Tree, slope: Value, N: Value, bound: Value) -> Value:

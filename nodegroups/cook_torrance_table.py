@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..addon.reference.cook_torrance_fit import table
+from ..addon.reference.cook_torrance_fit import ALONE, HALF_CLIPPED, table
 from .polynomial import function_text, share_text
 
 Vector = tuple[float, float, float]
@@ -45,4 +45,5 @@ def header() -> str:
     rows = [[f"{c:.9g}" for c in row] for row in shared("across")]
     functions.append(function_text("float", "fit_across", arguments, rows, CENTRED))
     functions.append(share_text("fit_share_at", share()))
-    return "\n".join([f"#define FIT_LOBES {count()}", "", *functions])
+    numbers = {"LOBES": count(), "ALONE": ALONE, "HALF_CLIPPED": HALF_CLIPPED}
+    return "\n".join([*(f"#define FIT_{name} {number}" for name, number in numbers.items()), "", *functions])

@@ -21,6 +21,12 @@ def blender():
 
 
 @pytest.fixture
+def instrument():
+    """Blender for measurements, which leave the file as it was: node groups stay, as building them takes longer."""
+    return bpy
+
+
+@pytest.fixture
 def empty_material(blender):
     """A function that makes a material with an empty tree on either Blender."""
 

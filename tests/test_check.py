@@ -18,7 +18,7 @@ def name(item):
 
 
 @pytest.mark.parametrize("item", check.plan(), ids=name)
-def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(blender, item):
+def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, item):
     """Every row of the plan passes, and is red against a reference 1 % brighter, as by an error in D or in G."""
     measure, arguments = item
     row = measure(*arguments)
@@ -36,7 +36,7 @@ def test_the_limit_for_noisy_rows_counts_them_all():
 
 
 @pytest.mark.parametrize("m", check.MIRROR_SLOPES)
-def test_mirror_resolves_one_percent_at_every_slope(blender, m):
+def test_mirror_resolves_one_percent_at_every_slope(instrument, m):
     """What the furnace row reports as resolved is under 1 %."""
     assert check.furnace_row(check.SETUPS[0], "white", m).resolves < 0.01
 
@@ -121,7 +121,7 @@ def test_an_error_of_one_percent_in_the_slope_or_weight_turns_mirror_red(blender
 @pytest.mark.parametrize("fresnel", ["schlick", "dielectric", "conductor"])
 @pytest.mark.parametrize("m", [1e-4, 1e-3, 0.3, 10.0])
 @pytest.mark.parametrize("theta_i", [0.0, 89.99])
-def test_direct_stays_finite_and_not_negative(blender, setup, fresnel, m, theta_i):
+def test_direct_stays_finite_and_not_negative(instrument, setup, fresnel, m, theta_i):
     """No NaN, infinity or negative value for slopes down to 1e-4 and angles to 89.99 degrees."""
     preset = check.materials()[fresnel].with_parameters(m=m)
     for window in (0.0, 5.0):
@@ -137,7 +137,7 @@ def test_direct_stays_finite_and_not_negative(blender, setup, fresnel, m, theta_
 @pytest.mark.parametrize("estimator", ["direct", "closure", "fit"])
 @pytest.mark.parametrize("fresnel", ["schlick", "dielectric", "conductor"])
 @pytest.mark.parametrize("m", [0.02, 0.1, 0.3, 1.0])
-def test_osl_and_node_groups_agree_with_each_other(blender, estimator, fresnel, m):
+def test_osl_and_node_groups_agree_with_each_other(instrument, estimator, fresnel, m):
     """Within the bars that each has toward the reference, on the hemisphere and around the mirror direction."""
     preset = check.materials()[fresnel].with_parameters(m=m)
     nodes, osl = check.SETUPS[0], check.SETUPS[2]
@@ -150,7 +150,7 @@ def test_osl_and_node_groups_agree_with_each_other(blender, estimator, fresnel, 
         assert np.abs(images[0] - images[1]).max() <= bar * peak
 
 
-def test_gonio_pixels_look_where_they_say(blender):
+def test_gonio_pixels_look_where_they_say(instrument):
     """The pixel of the mirror direction is brightest, and phi_o runs from wi's side around."""
     preset = check.materials()["schlick"].with_parameters(m=0.1)
     geometry = gonio.Geometry(45.0)

@@ -41,7 +41,7 @@ def distances(setup, m, gain=1.0):
 
 @pytest.mark.parametrize("setup", [NODES, OSL], ids=str)
 @pytest.mark.parametrize("m", [0.3, 0.4, 0.6, 0.8])
-def test_rendered_fit_is_near_the_vgroove_model(blender, setup, m):
+def test_rendered_fit_is_near_the_vgroove_model(instrument, setup, m):
     """L1 at most 4 % up to m = 0.4 and 8.5 % up to 1, albedo within 1 %, at every view to 85 degrees.
 
     The quadrature over suns, 30 by 64, is good to 0.1 % of the albedo for these slopes (60 by 128 move it by less).
@@ -53,7 +53,7 @@ def test_rendered_fit_is_near_the_vgroove_model(blender, setup, m):
     assert np.abs(lost[to_85]).max() <= 0.01
 
 
-def test_the_distance_sees_an_error(blender):
+def test_the_distance_sees_an_error(instrument):
     """A fit 5 % too bright is red in both measures."""
     off, lost = distances(NODES, 0.4, gain=1.05)
     assert off.max() > 0.04
@@ -73,7 +73,7 @@ def bend(image, seen):
 @pytest.mark.parametrize("setup", [NODES, OSL], ids=str)
 @pytest.mark.parametrize("m", [0.1, 0.3, 0.6, 1.0])
 @pytest.mark.parametrize("theta_i", [20.0, 70.0])
-def test_no_band_shows_on_a_ball(blender, setup, m, theta_i):
+def test_no_band_shows_on_a_ball(instrument, setup, m, theta_i):
     """On a ball 1025 pixels wide the shading bends by less from pixel to pixel than one step of an 8-bit picture.
 
     A jump in the mixture would be a bend of its own height, wherever it is: one of 1 % of the light is red.
@@ -92,7 +92,7 @@ def test_no_band_shows_on_a_ball(blender, setup, m, theta_i):
 
 @pytest.mark.parametrize("setup", [NODES, OSL], ids=str)
 @pytest.mark.parametrize("m", [0.1, 0.3, 1.0])
-def test_head_on_the_tangent_vanishes_and_the_value_is_right(blender, setup, m):
+def test_head_on_the_tangent_vanishes_and_the_value_is_right(instrument, setup, m):
     """An orthographic view straight down: every lobe is round there, so that no direction across is needed."""
     with headless.quiet():
         radiance, normal = gonio.measure_sphere(

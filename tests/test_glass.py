@@ -26,7 +26,7 @@ def name(item):
 
 
 @pytest.mark.parametrize("item", check_glass.plan(), ids=name)
-def test_glass_agrees_with_the_reference_and_would_not_with_one_percent_more(blender, item):
+def test_glass_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, item):
     """Every row passes, and is red against a reference 1 % brighter or darker."""
     measure, arguments, more = item
     row = measure(*arguments, **more)
@@ -110,7 +110,7 @@ def test_the_index_of_the_wrong_side_turns_every_view_from_inside_red(blender, m
 
 
 @BOTH
-def test_smooth_glass_reflects_all_light_beyond_the_critical_angle(blender, setup):
+def test_smooth_glass_reflects_all_light_beyond_the_critical_angle(instrument, setup):
     """From inside, pixel by pixel: nothing passes beyond asin(1/1.5), and all comes back."""
     beyond = np.degrees(np.arccos(gonio.Geometry(resolution=(32, 32)).wo()[..., 2])) > np.degrees(np.arcsin(1 / 1.5))
     for lit, expected in (("below", 0.0), ("above", 1.0)):
@@ -123,7 +123,7 @@ def test_smooth_glass_reflects_all_light_beyond_the_critical_angle(blender, setu
 @pytest.mark.parametrize("estimator", ["closure", "mirror"])
 @pytest.mark.parametrize("thin", [False, True])
 @BOTH
-def test_tint_colours_what_passes_alone(blender, setup, estimator, thin):
+def test_tint_colours_what_passes_alone(instrument, setup, estimator, thin):
     """Smooth, in a white world: F + tint (1 - F), each sample F/p or tint (1 - F)/(1 - p) by Cycles' choice."""
     tint, samples = np.array([0.2, 0.5, 1.0]), 1024
     geometry = gonio.Geometry(furnace=True, resolution=(32, 32))
@@ -138,7 +138,7 @@ def test_tint_colours_what_passes_alone(blender, setup, estimator, thin):
 
 
 @pytest.mark.parametrize("m", [0.1, 0.6])
-def test_osl_closure_keeps_reflection_white(blender, m):
+def test_osl_closure_keeps_reflection_white(instrument, m):
     """Where Blender's Glass BSDF would tint it too; lit from above there is nothing but reflection."""
     for setup, tinted in ((OSL, False), (NODES, True)):
         geometry = gonio.Geometry(30.0, 5.0)
@@ -151,7 +151,7 @@ def test_osl_closure_keeps_reflection_white(blender, m):
 @pytest.mark.parametrize("m", [1e-4, 0.3, 10.0])
 @pytest.mark.parametrize("eta", [0.1, 1.0, 10.0])
 @BOTH
-def test_mirror_stays_finite_and_gains_nothing(blender, setup, eta, m):
+def test_mirror_stays_finite_and_gains_nothing(instrument, setup, eta, m):
     """At the ends of every range, from both sides."""
     for inside in (False, True):
         for thin in (False, True):

@@ -17,7 +17,7 @@ def name(item):
 
 
 @pytest.mark.parametrize("item", check_hybrid.plan(), ids=name)
-def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(blender, item):
+def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, item):
     """Every row passes, and is red against a reference 1 % brighter or darker."""
     measure, arguments = item
     row = measure(*arguments)
@@ -79,7 +79,7 @@ def test_ten_percent_in_the_random_part_turns_hybrid_red(blender, monkeypatch):
 @pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[2]], ids=str)
 @pytest.mark.parametrize("m", [1e-4, 1e-3, 0.3, 1.0])
 @pytest.mark.parametrize("theta_i", [0.0, 89.99])
-def test_both_stay_finite(blender, setup, m, theta_i):
+def test_both_stay_finite(instrument, setup, m, theta_i):
     """No NaN or infinity for slopes down to 1e-4 and light at 89.99 degrees; nothing below 0 but by rounding."""
     preset = check.materials()["schlick"].with_parameters(m=m)
     for estimator in check_hybrid.ESTIMATORS:
@@ -93,7 +93,7 @@ def test_both_stay_finite(blender, setup, m, theta_i):
 
 
 @pytest.mark.parametrize("backend", material.BACKENDS)
-def test_a_tighter_bound_leaves_more_to_the_mirror(blender, backend):
+def test_a_tighter_bound_leaves_more_to_the_mirror(instrument, backend):
     """The bound is the artist's to turn, and reaches the shader: the noise of a furnace grows as it shrinks."""
     preset = check.materials()["white"].with_parameters(m=0.6)
     noise = []

@@ -38,7 +38,7 @@ def name(item):
 
 
 @pytest.mark.parametrize("item", check_oren_nayar.plan(), ids=name)
-def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(blender, item):
+def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, item):
     """Every row of the plan passes, and is red against a reference 1 % brighter or darker."""
     measure, arguments = item
     row = measure(*arguments)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vgroove.addon import presets
-from vgroove.addon.presets import RANGES, PresetError, find, load, load_folder, parse
+from vgroove.addon.presets import RANGES, PresetError, all_presets, find, load, load_folder, parse
 from vgroove.addon.reference import Glass, OrenNayar, albedo, spherical
 
 GOOD = 'name = "A"\nmodel = "cook_torrance"\nm = 0.3\n[fresnel]\nf0 = [0.9, 0.6, 0.5]\n[source]\ndata = "somewhere"\n'
@@ -151,6 +151,19 @@ def test_bad_glass_and_bad_rough_surfaces_are_one_line(text, message):
         parse(text, "a/b", "a/b.toml")
     assert str(error.value).startswith("a/b.toml: ")
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", sorted(all_presets()))
+def test_no_preset_sends_back_more_than_arrives(name):
+    """At every slope and view, be it smooth, rough or glass: what is reflected and what passes through."""
+    wo = spherical(np.radians([0.0, 40.0, 70.0, 85.0, 89.9]))
+    preset = find(name)
+    for m in (0.0, 0.1, 1.0) if "m" in preset.parameters else (None,):
+        changed = preset if m is None else preset.with_parameters(m=m)
+        sent = albedo(changed.reference(), wo)
+        assert sent.shape == (5, 3)
+        assert np.all(sent > 0.0)
+        assert np.max(sent) <= 1.0 + 1e-6  # to which the albedo is good
 
 
 @pytest.mark.parametrize("kind", ["full", "qualitative"])

@@ -89,6 +89,22 @@ def test_each_problem_is_found_and_its_button_mends_it(stage, key):
     assert scene.problems(stage, "osl", "mirror") == []
 
 
+@pytest.mark.parametrize("device", ["HIP", "CUDA", "METAL"])
+def test_osl_on_a_gpu_that_cannot_run_it_is_said_and_mended(stage, monkeypatch, device):
+    """OptiX can; so can the CPU, to which the button goes. (The device is named here, as there is none.)"""
+    monkeypatch.setattr(scene, "_compute_device", lambda: device)
+    stage.cycles.shading_system, stage.cycles.device = True, "GPU"
+    assert scene.problems(stage, "nodes", "mirror") == []
+    (problem,) = scene.problems(stage, "osl", "mirror")
+    assert problem.key == "device"
+    assert device in problem.text
+    problem.mend()
+    assert scene.problems(stage, "osl", "mirror") == []
+    stage.cycles.device = "GPU"
+    monkeypatch.setattr(scene, "_compute_device", lambda: "OPTIX")
+    assert scene.problems(stage, "osl", "mirror") == []
+
+
 def test_closure_beyond_its_slope_and_direct_without_lamps_are_said(stage):
     for native in ("fit", "closure"):
         assert [p.key for p in scene.problems(stage, "nodes", native, m=2.0)] == ["slope"]

@@ -4,8 +4,9 @@
 ``hybrid`` takes a share of that mixture and adds what is missing.
 
 Each lobe is a Beckmann microfacet lobe with Smith's G, slopes of its own across and in the plane of view, and a
-normal tilted within that plane. Weights, slopes and tilts are polynomials in (2x - 1, 2m - 1), centred because
-float32 shaders would lose three digits in powers of x itself; ``tools/fit_cook_torrance.py``
+normal tilted within that plane. Where the V-groove's G clips no facet, one round lobe of slope m is the model itself;
+weights, slopes and tilts leave that lobe by polynomials in (2x - 1, 2m - 1), as far as ``clipped_share`` says. They
+are centred because float32 shaders would lose three digits in powers of x itself; ``tools/fit_cook_torrance.py``
 finds them by the least L1 distance from the V-groove model and writes ``cook_torrance_fit.toml``. F depends on v.h
 alone, so that one mixture serves every Fresnel term.
 
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 
 TABLE = Path(__file__).with_suffix(".toml")
 FUNCTIONS = ("weight", "anisotropy", "tilt", "across")
+ALONE = 0.9998  # weight of the one lobe where nothing is clipped; below 1, for a furnace must not exceed 1
+HALF_CLIPPED = 0.2  # of facets that are clipped, at which half of the polynomials counts
 NARROWEST = 0.1  # within over across: what Cycles' Metallic BSDF offers
 
 
@@ -68,16 +71,38 @@ def polynomial(coefficients: Floats, x: Floats, m: Floats) -> Floats:
 def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = None) -> Lobes:
     """The mixture for views ``wo`` and slopes ``m``, which are held to Cycles' limit of 1.
 
-    With x = m s / (c + m s), c = n.v, s = sin: 0 head-on, 1 at grazing, and alike for all m where m is small:
-    weight = min(max(w, 0), 1);  across = min(1, m a), the same for all;  within = across (1 - 0.9 min(max(x r, 0), 1));
-    tilt = m (1 - x) s t. Head-on every lobe is round and upright, as it must be to stay continuous there.
+    With x = m s / (c + m s), c = n.v, s = sin: 0 head-on, 1 at grazing, and alike for all m where m is small; with g =
+    ``clipped_share`` and polynomials w, r, t of each lobe and a of all:
+    weight = min(max(w0 + g w, 0), 1), w0 = ``ALONE`` for the first lobe and 0 for the others;
+    across = min(1, m (1 + g a)), the same for all;  within = across (1 - 0.9 min(max(x g r, 0), 1));
+    tilt = m (1 - x) s g t. Head-on every lobe is round and upright, as it must be to stay continuous there.
 
     wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
-    s, x, m = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), grazing(wo, m), m)
-    values = (polynomial((coefficients or table())[name], x, m) for name in FUNCTIONS)
+    s, x, g, m = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), grazing(wo, m), clipped_share(wo, m), m)
+    of = coefficients or table()
+    alone = starts(len(of["weight"]))
+    values = (start + g[..., None] * polynomial(of[name], x, m) for name, start in zip(FUNCTIONS, alone, strict=True))
     return shaped(m[..., None], x[..., None], s[..., None], *values)
+
+
+def starts(count: int) -> tuple[Floats, Floats, Floats, Floats]:
+    """What each of ``FUNCTIONS`` is where nothing is clipped: of ``count`` lobes one, upright and round, of slope m."""
+    return ALONE * (np.arange(count) == 0), np.zeros(count), np.zeros(count), np.ones(1)
+
+
+def clipped_share(wo: Floats, m: ArrayLike) -> Floats:
+    """g = q / (q + ``HALF_CLIPPED``) (...), q the share of facets steeper than the first that the V-groove's G clips.
+
+    q = exp(-(t / m)^2), t = c / (3^(1/2) + (3 - 3^(1/2)) s) with c = n.v, s = sin: within 0.6 % of tan(e / 3), e the
+    view's elevation. A facet that leans away from the viewer by e / 3 sends light to e / 3 above the horizon, where
+    2 (n.h)(n.l) = v.h.
+    """
+    c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
+    with np.errstate(under="ignore"):
+        q = np.exp(-np.square(c / (np.sqrt(3.0) + (3.0 - np.sqrt(3.0)) * s) / m))
+    return np.asarray(q / (q + HALF_CLIPPED), dtype=np.float64)
 
 
 def grazing(wo: Floats, m: ArrayLike) -> Floats:

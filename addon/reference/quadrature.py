@@ -134,7 +134,9 @@ def _inner_edges(p: Floats, A: Floats, vz: float, m: float, kinks: Sequence[floa
 
 
 def vgroove_mean(wo: ArrayLike, m: ArrayLike, eta: float, weight: Weight, *, nodes: int = NODES) -> Floats:
-    """Mean of ``weight(F, R, T)`` over the facets of an interface as ``wo`` sees them; RGB (..., 3), channels equal.
+    """Mean of ``weight(F, R, T)`` over the facets of an interface as ``wo`` sees them; (..., 3), three times a number.
+
+    Or the means of three numbers, if ``weight`` gives three along a last axis.
 
     F: the facet's reflectance. R = G2/G1 and T = G2t/G1: the shares of reflected and of refracted light that no other
     facet stops. With slopes p (in the plane of view) and q as in ``vgroove_albedo``:
@@ -163,8 +165,8 @@ def _vgroove_mean(vz: float, m: float, eta: float, weight: Weight, nodes: int) -
     G1l = np.minimum(1.0, 2.0 * nh * down / np.where(g > 0, g, 1.0))
     T = np.where(g > 0, np.maximum(G1 - (1.0 - G1l), 0.0), 0.0) / G1
     P = np.exp(-np.square(p / m) - np.square(q / m)) / (np.pi * m * m)
-    mean = P * (A / vz) * G1 * weight(fresnel_dielectric(c, eta), R, T)
-    return 2.0 * np.einsum("pq,pq,p->", mean, q_weight, p_weight)  # q < 0 mirrors q > 0
+    facets = P * (A / vz) * G1 * q_weight * p_weight[:, None]
+    return 2.0 * np.tensordot(facets, weight(fresnel_dielectric(c, eta), R, T), axes=2)  # q < 0 mirrors q > 0
 
 
 def _shadow_terms(A: Floats | Polynomial, b: Floats | Polynomial, vz: float, e: float) -> tuple[Any, Any, Any]:

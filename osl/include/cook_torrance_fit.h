@@ -13,6 +13,13 @@ float fit_x(normal n, vector wo, float m)
     return ms / max(max(c, 0) + ms, 1e-20);
 }
 
+// How far the table's polynomials count: little where the V-groove clips next to no facet
+float fit_clipped_share(normal n, vector wo, float m)
+{
+    float c = dot(n, wo), t = max(c, 0) / (sqrt(3) + (3 - sqrt(3)) * length(wo - c * n)) / m, q = exp(-t * t);
+    return q / (q + FIT_HALF_CLIPPED);
+}
+
 // c of hybrid, which keeps what it has too much of below the bound
 float fit_share(normal n, vector wo, float slope, float bound)
 {
@@ -22,11 +29,12 @@ float fit_share(normal n, vector wo, float slope, float bound)
 
 void fit_lobes(normal n, vector wo, float slope, output Lobe lobes[FIT_LOBES])
 {
-    float m = min(slope, 1), x = fit_x(n, wo, m);
+    float m = min(slope, 1), x = fit_x(n, wo, m), g = fit_clipped_share(n, wo, m);
     vector aside = wo - dot(n, wo) * n;
-    vector weight = fit_weight(x, m), anisotropy = x * fit_anisotropy(x, m), tilt = fit_tilt(x, m);
-    float across = min(m * fit_across(x, m), 1);
-    vector lean = m * (1 - x) * aside;
+    vector weight = g * fit_weight(x, m) + vector(FIT_ALONE, 0, 0);
+    vector anisotropy = x * g * fit_anisotropy(x, m), tilt = fit_tilt(x, m);
+    float across = min(m * (1 + g * fit_across(x, m)), 1);
+    vector lean = m * (1 - x) * g * aside;
     for (int k = 0; k < FIT_LOBES; ++k) {
         lobes[k].weight = clamp(weight[k], 0, 1);
         lobes[k].across = across;
