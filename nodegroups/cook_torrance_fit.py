@@ -10,18 +10,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..addon.reference.cook_torrance_fit import ALONE, HALF_CLIPPED, NARROWEST
+from ..addon.reference.cook_torrance_fit import ALONE, FUNCTIONS, HALF_CLIPPED, MOST_LEAN, NARROWEST
 from . import cook_torrance, ensure
 from . import cook_torrance_closure as closure
 from ._tree import Tree, Value, cross, dot, exp, length, maximum, minimum, normalize, scale, sqrt, vector
 from .cook_torrance_table import by_lobe, count, shared
 from .cook_torrance_table import share as of_share
-from .polynomial import horner2
+from .polynomial import chebyshev, series2
 from .polynomial import share as share_by_table
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bpy.types import NodeSocket
+
+    from ._tree import Number
 
 NAME = "VGroove Cook-Torrance Fit"
 REVISION = 4
@@ -97,15 +101,13 @@ def build_lobes(tree: Tree) -> None:
     x, aside = grazing(tree, m, N)
     g = clipped_share(tree, m, N, aside)
     with tree.frame("The table's polynomials, one component a lobe"):
-        y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
-        weight, anisotropy, tilt = (
-            horner2(by_lobe(name), vector(y, y, y), vector(n, n, n)) for name in ("weight", "anisotropy", "tilt")
-        )
-        weight = scale(weight, g) + (ALONE, 0.0, 0.0)
-        across = minimum(m * (1.0 + g * horner2(shared("across"), y, n)), 1.0)
+        y, n, alone = 2.0 * x - 1.0, 2.0 * m - 1.0, (ALONE, 0.0, 0.0)
+        weight, anisotropy, tilt = table(vector(y, y, y), vector(n, n, n), *map(by_lobe, FUNCTIONS[:3]))
+        (across,) = table(y, n, shared("across"))
+        weight, across = alone + scale(weight, g), minimum(m * (1.0 + g * across), 1.0)
     with tree.frame("Normals that lean away from the viewer"):
-        lean = scale(aside, m * (1.0 - x) * g)
-        normals = [normalize(N - scale(lean, part)) for part in tilt.xyz]
+        lean, most = scale(aside, m * (1.0 - x)), MOST_LEAN / maximum(x * length(aside), 0.01)
+        normals = [normalize(N - scale(lean, minimum(g * part, most))) for part in tilt.xyz]
     tree.output_vector("Weight", minimum(maximum(weight, 0.0), 1.0), tip="Of each lobe")
     tip = "How much narrower each lobe is within the plane of view: slope across times 1 - 0.9 of this"
     tree.output_vector("Anisotropy", minimum(maximum(scale(anisotropy, x * g), 0.0), 1.0), tip=tip)
@@ -113,6 +115,13 @@ def build_lobes(tree: Tree) -> None:
     for k in range(count()):
         tree.output_vector(f"Normal {k + 1}", normals[k], tip="The lobe's own normal")
     tree.output_vector("Tangent", cross(N, wo), tip="Across the plane of view")
+
+
+def table(y: Value, n: Value, *functions: Sequence[Sequence[Number]]) -> list[Value]:
+    """Each function's polynomial at (y, n)."""
+    rows, columns = max(map(len, functions)), max(len(row) for rows in functions for row in rows)
+    T_y, T_n = chebyshev(y, rows - 1), chebyshev(n, columns - 1)
+    return [series2(of, T_y, T_n) for of in functions]
 
 
 def grazing(tree: Tree, m: Value, N: Value) -> tuple[Value, Value]:

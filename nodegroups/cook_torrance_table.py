@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-from ..addon.reference.cook_torrance_fit import ALONE, HALF_CLIPPED, table
-from .polynomial import function_text, share_text
+from ..addon.reference.cook_torrance_fit import ALONE, HALF_CLIPPED, MOST_LEAN, table
+from .polynomial import CHEBYSHEV, series_text, share_text
 
 Vector = tuple[float, float, float]
-CENTRED = "float y = 2 * x - 1, n = 2 * m - 1;"
 
 
 def count() -> int:
@@ -16,7 +15,7 @@ def count() -> int:
 
 
 def by_lobe(name: str) -> list[list[Vector]]:
-    """Coefficients [j][k] of (2x - 1)^j (2m - 1)^k of one function."""
+    """Coefficients [j][k] of T_j(2x - 1) T_k(2m - 1) of one function."""
     numbers = table()[name]
     padded = [[[float(c) for c in row] for row in lobe] for lobe in numbers]
     padded += [[[0.0] * len(row) for row in padded[0]] for _ in range(3 - len(padded))]
@@ -36,14 +35,14 @@ def share() -> list[list[list[float]]]:
 
 
 def header() -> str:
-    """OSL text: the polynomials as functions ``fit_NAME(x, m)`` by Horner's rule, and ``fit_share_at(y, n, bound)``."""
-    arguments = "float x, float m"
+    """OSL text: the polynomials as functions ``fit_NAME(Ty, Tn)``, and ``fit_share_at(y, n, bound)``."""
     functions = []
     for name in ("weight", "anisotropy", "tilt"):
         rows = [[f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row] for row in by_lobe(name)]
-        functions.append(function_text("vector", f"fit_{name}", arguments, rows, CENTRED))
+        functions.append(series_text("vector", f"fit_{name}", rows))
     rows = [[f"{c:.9g}" for c in row] for row in shared("across")]
-    functions.append(function_text("float", "fit_across", arguments, rows, CENTRED))
+    functions.append(series_text("float", "fit_across", rows))
     functions.append(share_text("fit_share_at", share()))
     numbers = {"LOBES": count(), "ALONE": ALONE, "HALF_CLIPPED": HALF_CLIPPED}
+    numbers |= {"CHEBYSHEV": CHEBYSHEV, "MOST_LEAN": MOST_LEAN}
     return "\n".join([*(f"#define FIT_{name} {number}" for name, number in numbers.items()), "", *functions])

@@ -40,7 +40,7 @@ def distances(setup, m, gain=1.0):
 
 
 @pytest.mark.parametrize("setup", [NODES, OSL], ids=str)
-@pytest.mark.parametrize("m", [0.3, 0.4, 0.6, 0.8])
+@pytest.mark.parametrize("m", [0.3, 0.4, 0.6, 0.8, 1.0])
 def test_rendered_fit_is_near_the_vgroove_model(instrument, setup, m):
     """L1 at most 4 % up to m = 0.4 and 8.5 % up to 1, albedo within 1 %, at every view to 85 degrees.
 

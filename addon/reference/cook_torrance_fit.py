@@ -6,7 +6,7 @@
 Each lobe is a Beckmann microfacet lobe with Smith's G, slopes of its own across and in the plane of view, and a
 normal tilted within that plane. Where the V-groove's G clips no facet, one round lobe of slope m is the model itself;
 weights, slopes and tilts leave that lobe by polynomials in (2x - 1, 2m - 1), as far as ``clipped_share`` says. They
-are centred because float32 shaders would lose three digits in powers of x itself; ``tools/fit_cook_torrance.py``
+are sums of Chebyshev's, as float32 shaders would lose three digits in powers; ``tools/fit_cook_torrance.py``
 finds them by the least L1 distance from the V-groove model and writes ``cook_torrance_fit.toml``. F depends on v.h
 alone, so that one mixture serves every Fresnel term.
 
@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 
 from . import hybrid
 from .cook_torrance import cook_torrance
@@ -37,6 +38,7 @@ TABLE = Path(__file__).with_suffix(".toml")
 FUNCTIONS = ("weight", "anisotropy", "tilt", "across")
 ALONE = 0.9998  # weight of the one lobe where nothing is clipped; below 1, for a furnace must not exceed 1
 HALF_CLIPPED = 0.2  # of facets that are clipped, at which half of the polynomials counts
+MOST_LEAN = 0.95  # of the tilt at which the view would pass below a lobe's own horizon
 NARROWEST = 0.1  # within over across: what Cycles' Metallic BSDF offers
 
 
@@ -55,17 +57,17 @@ class Lobes:
 
 @cache
 def table() -> dict[str, Floats]:
-    """Coefficients c[lobe, j, k] of (2x - 1)^j (2m - 1)^k for each of ``FUNCTIONS``."""
+    """Coefficients c[lobe, j, k] of T_j(2x - 1) T_k(2m - 1), Chebyshev's, for each of ``FUNCTIONS``."""
     with TABLE.open("rb") as file:
         return {name: np.array(numbers) for name, numbers in tomllib.load(file).items()}
 
 
 def polynomial(coefficients: Floats, x: Floats, m: Floats) -> Floats:
-    """Sum of c[..., j, k] (2x - 1)^j (2m - 1)^k; x and m (...), the result (..., lobes)."""
-    of_x = (2.0 * x - 1.0)[..., None] ** np.arange(coefficients.shape[-2])
-    of_m = (2.0 * m - 1.0)[..., None] ** np.arange(coefficients.shape[-1])
-    powers = np.einsum("...j,...k->...jk", of_x, of_m)
-    return np.einsum("...jk,ljk->...l", powers, coefficients)
+    """Sum of c[..., j, k] T_j(2x - 1) T_k(2m - 1); x and m (...), the result (..., lobes)."""
+    sizes = coefficients.shape[-2:]
+    of_x, of_m = (chebvander(2.0 * v - 1.0, n - 1).reshape(*v.shape, n) for v, n in zip((x, m), sizes, strict=True))
+    products = np.einsum("...j,...k->...jk", of_x, of_m)
+    return np.einsum("...jk,ljk->...l", products, coefficients)
 
 
 def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = None) -> Lobes:
@@ -75,7 +77,8 @@ def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = 
     ``clipped_share`` and polynomials w, r, t of each lobe and a of all:
     weight = min(max(w0 + g w, 0), 1), w0 = ``ALONE`` for the first lobe and 0 for the others;
     across = min(1, m (1 + g a)), the same for all;  within = across (1 - 0.9 min(max(x g r, 0), 1));
-    tilt = m (1 - x) s g t. Head-on every lobe is round and upright, as it must be to stay continuous there.
+    tilt = m (1 - x) s min(g t, ``MOST_LEAN`` / (x s)).
+    Head-on every lobe is round and upright, as it must be to stay continuous there.
 
     wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
     """
@@ -115,7 +118,12 @@ def shaped(m: Floats, x: Floats, s: Floats, weight: Floats, anisotropy: Floats, 
     """Lobes from the values of the polynomials, as ``lobes`` says."""
     across = np.minimum(m * across, 1.0) * np.ones_like(weight)
     within = across * (1.0 - (1.0 - NARROWEST) * np.clip(x * anisotropy, 0.0, 1.0))
-    return Lobes(np.clip(weight, 0.0, 1.0), across, within, m * (1.0 - x) * s * tilt)
+    return Lobes(
+        np.clip(weight, 0.0, 1.0),
+        across,
+        within,
+        m * (1.0 - x) * s * np.minimum(tilt, MOST_LEAN / np.maximum(x * s, 0.01)),
+    )
 
 
 def mixture(wi: ArrayLike, wo: ArrayLike, m: ArrayLike) -> Floats:

@@ -27,14 +27,27 @@ float fit_share(normal n, vector wo, float slope, float bound)
     return clamp(fit_share_at(2 * fit_x(n, wo, m) - 1, 2 * m - 1, bound), 0, 1);
 }
 
+// T_0 to T_8 at x
+void chebyshev(float x, output float T[FIT_CHEBYSHEV])
+{
+    T[0] = 1;
+    T[1] = x;
+    for (int k = 2; k < FIT_CHEBYSHEV; ++k)
+        T[k] = 2 * x * T[k - 1] - T[k - 2];
+}
+
 void fit_lobes(normal n, vector wo, float slope, output Lobe lobes[FIT_LOBES])
 {
     float m = min(slope, 1), x = fit_x(n, wo, m), g = fit_clipped_share(n, wo, m);
     vector aside = wo - dot(n, wo) * n;
-    vector weight = g * fit_weight(x, m) + vector(FIT_ALONE, 0, 0);
-    vector anisotropy = x * g * fit_anisotropy(x, m), tilt = fit_tilt(x, m);
-    float across = min(m * (1 + g * fit_across(x, m)), 1);
-    vector lean = m * (1 - x) * g * aside;
+    float Ty[FIT_CHEBYSHEV], Tn[FIT_CHEBYSHEV];
+    chebyshev(2 * x - 1, Ty);
+    chebyshev(2 * m - 1, Tn);
+    vector weight = g * fit_weight(Ty, Tn) + vector(FIT_ALONE, 0, 0);
+    vector anisotropy = x * g * fit_anisotropy(Ty, Tn);
+    vector tilt = min(g * fit_tilt(Ty, Tn), vector(FIT_MOST_LEAN / max(x * length(aside), 0.01)));
+    float across = min(m * (1 + g * fit_across(Ty, Tn)), 1);
+    vector lean = m * (1 - x) * aside;
     for (int k = 0; k < FIT_LOBES; ++k) {
         lobes[k].weight = clamp(weight[k], 0, 1);
         lobes[k].across = across;
