@@ -39,7 +39,7 @@ OSL_SLOPES, OSL_THETAS = (0.3, 0.05), (20.0, 70.0)
 CLOSURE_SLOPES = (1.0, 0.6, 0.3, 0.1, 0.05, 0.02)
 MIRROR_SLOPES = (0.1, 0.3, 0.6, 1.0)
 SPHERE_SLOPES = (1.0, 0.3, 0.1)
-SUN_THETAS = (20.0, 60.0, 80.0)
+SUN_THETAS = (20.0, 60.0, 74.0)  # the widest sun stays above the horizon
 # Broad lobes seldom hit a small sun; a wider one asks for as many fewer samples as it is larger.
 SUN_ANGLES = {0.1: 10.0, 0.3: 20.0, 0.6: 30.0, 1.0: 30.0}
 FURNACE_SAMPLES = 1024

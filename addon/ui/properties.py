@@ -12,7 +12,7 @@ BACKENDS = (
     (
         "nodes",
         "Nodes",
-        "Plain shader nodes: every device; EEVEE shows Fit, Closure and Direct smoothly, Mirror as grain",
+        "Plain shader nodes, for every device; EEVEE shows Closure, whichever estimator is chosen",
         "NODETREE",
         0,
     ),
