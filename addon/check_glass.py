@@ -33,7 +33,7 @@ CLOSURE_SLOPES = (0.1, 0.3, 1.0)
 ETAS = (1.33, 1.5, 2.42, 1.0 / 1.5)
 THETAS = (180.0, 160.0, 140.0, 100.0)  # of the sun below
 SUN_THETAS = (175.0, 150.0)
-SAMPLES = {"all": 512, "below": 1024, "above": 4096}  # one side alone depends on what Cycles picks
+SAMPLES = {"all": 512, "below": 1024, "above": 2048}  # one side alone depends on what Cycles picks
 # So many that the row turns red on a common error of 1 %; from inside lobes are broad and seldom hit the disc.
 SUN_SAMPLES = {0.1: 4096, 0.3: 2048, 0.6: 2048, 1.0: 4096}
 INSIDE_SUN_SAMPLES = {0.1: 24576, 0.3: 12288}

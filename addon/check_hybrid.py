@@ -34,7 +34,7 @@ FURNACE_SLOPES = (0.1, 0.3, 0.6, 1.0)
 SUN_SLOPES = (0.3,)
 SUN_ANGLE = 20.0
 SUN_THETAS = (20.0, 70.0)
-SUN_SAMPLES = {"corrected": 16, "hybrid": 64}
+SUN_SAMPLES = {"corrected": 512, "hybrid": 2048}
 MIRRORED = 0.2  # of hybrid at that slope, at least
 NOISY_ROWS = 13  # rows of the plan that are judged by Z-tests; a test holds it to the plan
 

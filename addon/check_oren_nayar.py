@@ -34,7 +34,7 @@ SUN_THETAS = (20.0, 60.0, 74.0)
 NOISY_ROWS = 38  # of the plan, judged by Z-tests; a test holds it to the plan
 FURNACE_SAMPLES = 1024
 SUN_SAMPLES = 10240
-SEEDED_SUN_SAMPLES = {"corrected": 16, "hybrid": 128}
+SEEDED_SUN_SAMPLES = {"corrected": 512, "hybrid": 4096}
 MIRRORED = 0.1  # of hybrid at sigma 1 and above, at least
 
 

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from .presets import Preset
 
-SUN_SEEDS = 32
 FURNACE_SIZE = 32
 
 
@@ -50,11 +49,11 @@ def furnace_view(
 
 
 def sun_view(
-    preset: Preset, setup: Setup, estimator: str, geometry: gonio.Geometry, samples: int, share: float
+    preset: Preset, setup: Setup, estimator: str, geometry: gonio.Geometry, samples: int, share: float, seeds: int = 16
 ) -> View:
     """Under a sun with an angle: the mean of f over its disc, weighted by the cosine.
 
-    share: at least how many of a pixel's samples look for the sun by a random ray.
+    samples: a pixel, over all seeds. share: at least how many of a pixel's samples look for the sun by a random ray.
     """
     evaluate = rendered(preset.reference(), estimator, DEFAULT_BOUND)
     wo = geometry.wo()
@@ -64,11 +63,11 @@ def sun_view(
     radiance = 1.0 / np.cos(np.radians(geometry.theta_i)) / solid_angle
     for wi, weight in zip(*disc(geometry), strict=True):
         expected += weight * radiance * evaluate(wi, wo) * max(wi[2], 0.0)
-    images = [measure(preset, setup, estimator, geometry, samples, seed) for seed in range(SUN_SEEDS)]
+    images = [measure(preset, setup, estimator, geometry, samples // seeds, seed) for seed in range(seeds)]
     # A count of N hits has skewness N^-1/2, and Student's t of n such counts a mean of -(N n)^-1/2 / 2: pixels are
     # judged together until all seeds expect 400, and that is 2.5 % of a standard error.
-    hits = share * samples * SUN_SEEDS * expected[..., 0] / radiance
+    hits = share * samples * expected[..., 0] / radiance
     pooled = np.stack([pool(image, hits, 400.0) for image in images])
-    variance = np.var(pooled, axis=0, ddof=1) / SUN_SEEDS
+    variance = np.var(pooled, axis=0, ddof=1) / seeds
     mean = pooled.mean(axis=0)
-    return View(geometry, mean, pool(expected, hits, 400.0), variance=variance, degrees=SUN_SEEDS - 1)
+    return View(geometry, mean, pool(expected, hits, 400.0), variance=variance, degrees=seeds - 1)

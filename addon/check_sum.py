@@ -27,8 +27,9 @@ if TYPE_CHECKING:
 ESTIMATORS = ("direct", "closure", "fit", "corrected", "hybrid")
 KINDS = ("sum", "coupled")
 SLOPES = (0.3, 0.6)
-SUN_SAMPLES = {"mirror": 512, "hybrid": 96, "corrected": 16}
+SUN_SAMPLES = {"mirror": 16384, "hybrid": 3072, "corrected": 512}
 SUN_THETAS = (20.0, 60.0)
+SUN_SEEDS = 8  # as the largest of shaders take longer to compile than to run
 MIRRORED = 0.05  # of hybrid, at least
 NOISY_ROWS = 14  # of the plan, judged by Z-tests; a test holds it to the plan
 
@@ -90,7 +91,9 @@ def sun_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     row = Row(f"{estimator}, sun", setup, kind, m)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
-        row.views.append(sun_view(preset(kind, m), setup, estimator, geometry, SUN_SAMPLES[estimator], MIRRORED))
+        row.views.append(
+            sun_view(preset(kind, m), setup, estimator, geometry, SUN_SAMPLES[estimator], MIRRORED, SUN_SEEDS)
+        )
     return row
 
 

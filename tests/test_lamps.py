@@ -345,14 +345,14 @@ def test_a_disc_of_sun_and_a_ball_give_what_a_point_gives(blender, empty_materia
 def test_direct_under_a_disc_of_sun_is_the_mean_of_the_formula(setup):
     """Cook-Torrance under a sun of 10 degrees against NumPy's integral of f cos over the disc."""
     preset = check.materials()["schlick"].with_parameters(m=0.3)
-    model, samples = preset.reference(), 256
+    model, samples, angle = preset.reference(), 256, 10.0
     row = check.Row("direct, sun", setup, "schlick", 0.3)
     for theta_i in check.SUN_THETAS:
-        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=check.SUN_ANGLE)
+        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=angle)
         wo = geometry.wo()
         directions, weights = check.disc(geometry)
         # A direction's irradiance: the sun's strength 1/cos(theta_i), by 2 / (1 + cos a) of nodegroups/lamp.py.
-        beam = 2.0 / (1.0 + np.cos(np.radians(check.SUN_ANGLE / 2))) / np.cos(np.radians(theta_i))
+        beam = 2.0 / (1.0 + np.cos(np.radians(angle / 2))) / np.cos(np.radians(theta_i))
         mean, square = np.zeros_like(wo), np.zeros_like(wo)
         for wi, weight in zip(directions, weights / weights.sum(), strict=True):
             radiance = model.evaluate(wi, wo) * max(wi[2], 0.0) * beam
