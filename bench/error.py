@@ -8,8 +8,8 @@ A copper ball alone, so that all its light comes straight from a lamp or the wor
 spots are held to 3, as the truth of it would need too many samples else; a softbox (an area lamp of 1 m, 2.5 m away);
 a sun of half a degree under a dim, even sky. The truth is the sum of two images: the
 world by ``mirror``, the lamp by ``direct``, each of many samples. The error is the root mean square of what differs,
-as a share of the root mean square of the truth, over the pixels of the ball. Times are over those of ``closure`` at as
-many samples in the same round.
+as a share of the root mean square of the truth, over the pixels of the ball. Times are of the processor, which other
+work on the machine changes little, over those of ``closure`` at as many samples in the same round.
 """
 
 from __future__ import annotations
@@ -152,10 +152,10 @@ def measure(name: str, m: float) -> list[Measured]:
 
 
 def timed(shown: Scene, m: float, estimator: str, samples: int, seed: int) -> tuple[NDArray[np.float64], float]:
-    """The image, and the seconds that it took."""
-    start = time.perf_counter()
+    """The image, and the processor seconds that it took."""
+    start = time.process_time()
     pixels = image(shown, m, estimator, samples, seed)
-    return pixels, time.perf_counter() - start
+    return pixels, time.process_time() - start
 
 
 def picks(name: str) -> dict[tuple[float, int], str]:
@@ -176,9 +176,9 @@ def markdown(rows: list[Measured], picked: dict[str, dict[tuple[float, int], str
         "# Error of each estimator against the V-groove model",
         "",
         "Root mean square of bias and noise together, in percent of the picture's, on a copper ball; median of three",
-        "seeds, by samples a pixel. In brackets: run time over that of closure at as many samples, in the same round;",
-        "at 16 and 64 samples most of it is what a render needs to start. **Bold**: what Automatic picks. Direct sees",
-        "bound lamps alone: under the sky it has next to nothing. `python bench/error.py --write` made it.",
+        "seeds, by samples a pixel. In brackets: processor time over that of closure at as many samples, in the same",
+        "round; at 16 and 64 samples most of it is what a render needs to start. **Bold**: what Automatic picks. Direct",
+        "sees bound lamps alone: under the sky it has next to nothing. `python bench/error.py --write` made it.",
         "",
         "![Error against run time](images/error.png)",
     ]
@@ -209,7 +209,7 @@ def plot(rows: list[Measured]) -> None:
                     ax.loglog(seconds, [100 * row.errors[e] for row in here], ".-", label=e, color=f"C{index}", lw=1.2)
             ax.set_title(f"{LABELS[name]}, m = {m:g}", fontsize=8)
         axes[1, 0].set_ylabel("error, % of the picture")
-        axes[-1, 1].set_xlabel("seconds a render (48 x 48 pixels, 16 to 4096 samples)")
+        axes[-1, 1].set_xlabel("processor seconds a render (48 x 48 pixels, 16 to 4096 samples)")
         figure.legend(*axes[1, 0].get_legend_handles_labels(), loc="outside upper center", ncols=6, frameon=False)
         figure.savefig(PICTURE, dpi=100)
 
