@@ -177,8 +177,8 @@ def markdown(rows: list[Measured], picked: dict[str, dict[tuple[float, int], str
         "",
         "Root mean square of bias and noise together, in percent of the picture's, on a copper ball; median of three",
         "seeds, by samples a pixel. In brackets: processor time over that of closure at as many samples, in the same",
-        "round; at 16 and 64 samples most of it is what a render needs to start. **Bold**: what Automatic picks. Direct",
-        "sees bound lamps alone: under the sky it has next to nothing. `python bench/error.py --write` made it.",
+        "round; at 16 and 64 samples most of it is what a render needs to start. **Bold**: what Automatic picks.",
+        "Direct sees bound lamps alone, and next to nothing under a sky. `python bench/error.py --write` made it.",
         "",
         "![Error against run time](images/error.png)",
     ]

@@ -115,6 +115,10 @@ class Fresnel(Protocol):
         """The cosines at which F is not smooth, for quadrature."""
         ...
 
+    def __hash__(self) -> int:
+        """So that what is computed for one F can be kept."""
+        ...
+
 
 @dataclass(frozen=True)
 class Schlick:
