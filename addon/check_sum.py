@@ -57,8 +57,7 @@ def exact_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     lobe = None
     approximate = check.fresnel_approximation(setup, "dielectric") if estimator != "direct" else 0.0
     if approximate:
-        white = parse('name = "White"\nm = 0.3\n[fresnel]\nf0 = 1.0\n[source]\ndata = "check"', "check/white", "check")
-        lobe, bar = white.with_parameters(m=m).reference(), approximate
+        lobe, bar = check.materials()["white"].with_parameters(m=m).reference(), approximate
     return check.exact_row(estimator, setup, kind, m, preset(kind, m), bar, windows=(0.0,), lobe=lobe)
 
 
