@@ -142,6 +142,7 @@ def test_a_lamp_group_casts_the_shadow_of_cycles_own_lamp(blender, empty_materia
     dark = (cycles.max(-1) == 0) & (ours.max(-1) > 0)
     if not traced:
         blender.context.scene.render.engine = "CYCLES"
+        blender.context.scene.collection.objects.link(make_lamp(blender, kind))
         found = scene.problems(blender.context.scene, "nodes", "direct")
         assert any(problem.key == "shadows" for problem in found)
         assert dark.any()
