@@ -6,6 +6,9 @@ python tools/fit_cook_torrance.py              prints, for each (m, angle), L1 o
 python tools/fit_cook_torrance.py --write      finds the table anew (half an hour) and writes it
 python tools/fit_cook_torrance.py --polish     the last part of that alone, from the committed table
 
+The committed table is what several searches and polishes, with other weights between the cells, left as the best; a new
+one will differ from it. Whether it is as good, the printed table and tests/test_reference_fit.py say.
+
 L1 at a fixed view is the integral over wi of |f_fit - f| cos over that of f cos. It is made small by weighted least
 squares, iterated with weights 1/|f_fit - f| (Gauss-Newton with Levenberg's damping): first for each cell alone, which
 is the optimum that the smooth table is held against, then for the coefficients of all cells together.

@@ -31,6 +31,8 @@ def glass(eta: float, m: float = 0.0, *, thin: bool = False) -> bpy.types.Materi
 
 def diffuse(*, checker: bool = False) -> bpy.types.Material:
     made = bpy.data.materials.new("Diffuse")
+    if bpy.app.version < (5, 0, 0):
+        made.use_nodes = True
     tree = made.node_tree
     tree.nodes.clear()
     bsdf, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
@@ -109,6 +111,8 @@ def stage(*, environment: bool) -> bpy.types.Scene:
         setattr(scene.cycles, f"{kind}_bounces", BOUNCES)
     scene.view_settings.view_transform = "Standard"
     scene.world = bpy.data.worlds.new("World")
+    if bpy.app.version < (5, 0, 0):
+        scene.world.use_nodes = True
     tree = scene.world.node_tree
     background = tree.nodes.get("Background") or tree.nodes.new("ShaderNodeBackground")
     background.inputs["Color"].default_value = (0.8, 0.8, 0.8, 1.0)
