@@ -23,6 +23,7 @@ from .presets import Preset, find, parse
 from .reference import CookTorrance, albedo, cook_torrance, rendered
 from .reference.directions import dot
 from .reference.quadrature import gauss_legendre, vgroove_albedo
+from .scene import native_fresnel_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -232,6 +233,7 @@ def materials() -> dict[str, Preset]:
         "schlick": find("lecture/copper"),
         "dielectric": parse(test.format("eta = 1.5"), "check/dielectric", "check"),
         "conductor": parse(test.format("n = [0.27, 0.68, 1.32]\nk = [3.61, 2.62, 2.29]"), "check/conductor", "check"),
+        "f82": parse(test.format("f0 = [0.7, 0.5, 0.3]\nf82_tint = [0.6, 0.9, 1.0]"), "check/f82", "check"),
         "white": parse(test.format("f0 = 1.0"), "check/white", "check"),
     }
 
@@ -261,13 +263,7 @@ def native_row(estimator: str, setup: Setup, fresnel: str, m: float) -> Row:
 
 def fresnel_approximation(setup: Setup, fresnel: str) -> float:
     """How far a native closure's Fresnel term may be off on this Blender, as a reflectance; 0 if it is exact."""
-    from ..nodegroups.cook_torrance_closure import has_exact_conductor
-
-    if has_exact_conductor() or fresnel not in {"conductor", "dielectric"}:
-        return 0.0
-    if fresnel == "conductor":
-        return 0.01
-    return 0.035 if setup.backend == "nodes" else 0.0
+    return native_fresnel_error(fresnel, setup.backend)
 
 
 def exact_row(
@@ -420,6 +416,7 @@ def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
             rows += [(direct_row, (setup, fresnel, m)) for m in (OSL_SLOPES if few else DIRECT_SLOPES)]
             slopes = OSL_SLOPES if few else CLOSURE_SLOPES
             rows += [(row, (setup, fresnel, m)) for row in (closure_row, fit_row) for m in slopes]
+        rows += [(row, (setup, "f82", 0.3)) for row in (direct_row, closure_row, fit_row)]
         for m in MIRROR_SLOPES:
             rows += [(furnace_row, (setup, fresnel, m)) for fresnel in ("white", "schlick")]
         if setup is not SETUPS[1]:  # nodes run as OSL draw the very same facets: the furnace shows it

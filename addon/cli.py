@@ -196,8 +196,8 @@ def measure(
     if estimator == Estimator.MIRROR and not extended:
         message = "mirror does not see a sun of zero size; give --sun-angle DEG or --furnace"
         raise InputError(message)
-    if estimator == Estimator.DIRECT and extended:
-        message = "direct takes lamps as points; leave --sun-angle and --furnace out, or choose mirror"
+    if estimator == Estimator.DIRECT and furnace:
+        message = "direct sees lamps alone, not the world of --furnace; give --theta-i DEG, or choose mirror"
         raise InputError(message)
     if estimator == Estimator.AUTO:
         exact = Estimator.CLOSURE if preset.transparent else Estimator.DIRECT
@@ -262,7 +262,7 @@ def explain(
             if line.kept == kept:
                 table.add_row(line.what, line.why)
         out.print(table)
-    for problem in scene.problems(shown, str(backend), account.estimator, preset.m, preset.model):
+    for problem in scene.problems_with(shown, preset, str(backend), account.estimator):
         out.print(f"advice: {problem.text}", highlight=False, markup=False)
 
 
@@ -447,7 +447,9 @@ def _assign(
         shown.cycles.shading_system = True
     said: set[str] = set()
     for name, preset in changed:
-        chosen = scene.pick_estimator(shown, preset.m, preset.model) if estimator == Estimator.AUTO else str(estimator)
+        chosen = str(estimator)
+        if estimator == Estimator.AUTO:
+            chosen = scene.pick_estimator(shown, preset.m, preset.model, str(backend))
         lamps = scene.lamps_to_bind(shown, chosen, preset.model)
         item = shown.objects.get(name)
         if item is None:
@@ -458,7 +460,7 @@ def _assign(
         if not material.apply(material.build(preset, choice), [item]):
             message = f'{flag} "{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise InputError(message)
-        for problem in scene.problems(shown, str(backend), chosen, preset.m, preset.model):
+        for problem in scene.problems_with(shown, preset, str(backend), chosen):
             if problem.text not in said:
                 err.print(f"warning: {problem.text}", highlight=False, markup=False, soft_wrap=True)
             said.add(problem.text)

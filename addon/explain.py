@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..nodegroups import eevee
 from . import lamps as lamp_binding
 from . import scene
-from .material import NATIVE, RANDOM, Choice, build
+from .material import NATIVE, RANDOM, Choice, absorbs, build
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,6 +22,7 @@ FRESNEL = {
     "schlick": "Schlick's formula from F0",
     "dielectric": "exact, from the index of refraction",
     "conductor": "exact, from n and k",
+    "f82": "Schlick's formula from F0, with a tint at 82 degrees",
 }
 
 
@@ -47,10 +48,12 @@ def explain(preset: Preset, shown: Scene, backend: str, estimator: str = "auto")
     """The material that ``preset`` gets in ``shown``, with its account; raises what ``build`` raises."""
     pick = scene.Pick(estimator, "it was asked for")
     if estimator == "auto":
-        pick = scene.pick(shown, preset.m, preset.model)
+        pick = scene.pick(shown, preset.m, preset.model, backend)
     lamps = scene.lamps_to_bind(shown, pick.estimator, preset.model)
     made = build(preset, Choice(backend, pick.estimator, lamps))
     lines = [Line(f"estimator {pick.estimator}", pick.why, kept=True)]
+    if pick.estimator != "closure":
+        lines.append(Line("closure beside it", "EEVEE shows that; Cycles leaves it out", kept=True))
     lines += [*_model(preset), *_nodes(made, backend), *_left_out(preset, pick.estimator)]
     lines += _lamps(pick.estimator, shown, [lamp.name for lamp in lamps])
     return Account(made, pick.estimator, lines)
@@ -62,8 +65,19 @@ def _model(preset: Preset) -> Iterator[Line]:
         left = f"{d:g} of what the specular part leaves" if preset.coupled else f"{d:g} of the light"
         yield Line("diffuse part: oren_nayar", left, kept=True)
         yield Line("specular part: cook_torrance", f"{s:g} of the light", kept=True)
+    elif preset.model == "translucent":
+        yield Line(
+            "body: Cycles' subsurface scattering", "of what the coat lets in, the same for all estimators", kept=True
+        )
+        yield Line("coat: cook_torrance", "all of the light that it mirrors", kept=True)
+    elif preset.model == "car_paint":
+        shares = ", ".join(f"{preset.parameters[f's_{k}']:g}" for k in range(1, preset.lobes + 1))
+        yield Line("base: oren_nayar", "under the lobes", kept=True)
+        yield Line(f"{preset.lobes} lobes: cook_torrance", f"{shares} of the light", kept=True)
     else:
         yield Line(f"model {preset.model}", "" if preset.kind in FRESNEL else preset.kind, kept=True)
+    if absorbs(preset):
+        yield Line("absorption: Cycles' volume", "by the way through the body, which must be closed", kept=True)
     if preset.kind in FRESNEL:
         yield Line(f"Fresnel term: {preset.kind}", FRESNEL[preset.kind], kept=True)
 
@@ -80,8 +94,11 @@ def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
         others = [kind for kind in FRESNEL if kind != preset.kind]
         yield Line(f"Fresnel terms: {', '.join(others)}", "the preset needs one", kept=False)
     yield Line("time", "the preset does not change: no drivers of time, no keys", kept=False)
-    if preset.model not in {"oren_nayar", "sum"}:
+    if preset.model not in {"oren_nayar", "sum", "car_paint", "translucent"}:
         yield Line("diffuse part", "the preset has none", kept=False)
+    if preset.transparent and not absorbs(preset):
+        why = "a sheet has no inside" if preset.kind == "thin" else "what passes loses nothing on its way"
+        yield Line("absorption", why, kept=False)
     if not preset.transparent:
         yield Line("transmission", "the preset is opaque", kept=False)
     if preset.model == "glass" and preset.m == 0:
@@ -94,7 +111,7 @@ def _lamps(estimator: str, shown: Scene, bound: list[str]) -> Iterator[Line]:
     if bound:
         yield Line(
             f"{len(bound)} bound lamp{'s' * (len(bound) > 1)}",
-            f"evaluated by the formula: {', '.join(bound)}",
+            f"evaluated by the formula: {', '.join(bound)}; whatever stands between counts as opaque",
             kept=True,
         )
     else:

@@ -16,7 +16,7 @@ from mathutils import Vector
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import Node, NodeSocket, Object
+    from bpy.types import Material, Node, NodeSocket, Object
 
 LIMIT = 8
 SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly a random point on the lamp sends anything
@@ -30,7 +30,7 @@ def refusal(lamp: Object) -> str | None:
     )
 
 
-def _refusals(lamp: Object) -> Iterator[str]:
+def _refusals(lamp: Object) -> Iterator[str]:  # noqa: C901 - one condition a refusal
     light = lamp.data
     # 5.x warns when use_nodes is read and always uses the tree; 4.5 may have one that is switched off.
     uses_nodes = light.node_tree is not None and (bpy.app.version >= (5, 0, 0) or light.use_nodes)
@@ -38,6 +38,10 @@ def _refusals(lamp: Object) -> Iterator[str]:
         yield "has a node tree, which the formula cannot follow; switch its Use Nodes off"
     if lamp.light_linking.receiver_collection:
         yield 'has light linking, which the formula cannot follow; clear it, or use "closure"'
+    if lamp.light_linking.blocker_collection:
+        yield 'has shadow linking, which the formula cannot follow; clear it, or use "closure"'
+    if not (lamp.visible_diffuse and lamp.visible_glossy):
+        yield 'is hidden from diffuse or glossy rays, which the formula cannot follow; show it, or use "closure"'
     if light.type == "SPOT":
         scale = lamp.matrix_world.to_scale()
         if max(scale) - min(scale) > 1e-4 * max(scale):
@@ -78,8 +82,24 @@ def of_scene(scene: bpy.types.Scene) -> list[Object]:
     things = [item for item in scene.objects if item.type in _SHADED and not item.hide_render]
     middles = [item.matrix_world @ (sum(map(Vector, item.bound_box), Vector()) / 8) for item in things]
     middle = sum(middles, Vector()) / max(len(middles), 1)
-    lamps = [item for item in scene.objects if item.type == "LIGHT" and not item.hide_render]
+    lamps = [item for item in rendered(scene) if item.type == "LIGHT" and not item.hide_render]
     return sorted(lamps, key=lambda lamp: (-_irradiance(lamp, middle), lamp.name))
+
+
+def rendered(scene: bpy.types.Scene) -> set[Object]:
+    """What is in a collection that a view layer renders: neither excluded there nor switched off for renders.
+
+    A view layer's own list of objects is of its last update, which may be long ago.
+    """
+    roots = [layer.layer_collection for layer in scene.view_layers if layer.use]
+    return {item for root in roots for item in _inside(root)}
+
+
+def _inside(of: bpy.types.LayerCollection) -> Iterator[Object]:
+    if not of.exclude and not of.collection.hide_render:
+        yield from of.collection.objects
+        for child in of.children:
+            yield from _inside(child)
 
 
 _SHADED = {"MESH", "CURVE", "SURFACE", "META", "FONT", "POINTCLOUD", "CURVES"}
@@ -125,8 +145,19 @@ def _has_own_nodes(tree: bpy.types.NodeTree) -> bool:
     )
 
 
-def bind(node: Node, lamp: Object, index: int = 0) -> None:
-    """Drive the inputs of a lamp group (``nodegroups/lamp.py``) by ``lamp``, the ``index``-th of its material."""
+def bound(material: Material) -> set[Object]:
+    """The lamps that drive a material."""
+    animation = material.node_tree.animation_data
+    drivers = animation.drivers if animation else []
+    targets = (target for curve in drivers for variable in curve.driver.variables for target in variable.targets)
+    return {target.id for target in targets if isinstance(target.id, bpy.types.Object)}
+
+
+def bind(node: Node, lamp: Object, index: int = 0, *, only_pointlike: bool = False) -> None:
+    """Drive the inputs of a lamp group (``nodegroups/lamp.py``) by ``lamp``, the ``index``-th of its material.
+
+    only_pointlike: the lamp gives nothing here once it has a size, as then rays hit it and it would count twice.
+    """
     for channel in range(3):
         _drive(
             node.inputs["Color"],
@@ -143,8 +174,10 @@ def bind(node: Node, lamp: Object, index: int = 0) -> None:
         node.inputs["Strength"],
         -1,
         lamp,
-        f"e * pow(2, x) * (1 - h) * ({surface})",
-        {"e": "data.energy", "x": "data.exposure", "n": "data.normalize"} | paths,
+        f"e * pow(2, x) * (1 - h) * ({surface})" + " * (z <= 0)" * only_pointlike,
+        {"e": "data.energy", "x": "data.exposure", "n": "data.normalize"}
+        | paths
+        | ({"z": "data.angle" if lamp.data.type == "SUN" else "data.shadow_soft_size"} if only_pointlike else {}),
         gate="h",
     )
     # RNA gives the matrix transposed: row 2 is the lamp's z axis, row 3 its place.

@@ -13,6 +13,8 @@ import bpy
 
 from .. import nodegroups
 from ..nodegroups import (
+    absorption,
+    car_paint,
     cook_torrance_closure,
     cook_torrance_corrected,
     cook_torrance_direct,
@@ -31,10 +33,11 @@ from ..nodegroups import (
     oren_nayar_fit,
     oren_nayar_hybrid,
     oren_nayar_mirror,
+    translucent,
 )
 from ..nodegroups import sum as sum_group
 from . import lamps as lamp_binding
-from .presets import M_RANGE
+from .presets import M_RANGE, TRANSPARENT, Preset, all_presets, base_name
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 if TYPE_CHECKING:
@@ -43,7 +46,6 @@ if TYPE_CHECKING:
     from bpy.types import Material, Node, Object, ShaderNodeTree
 
     from ..nodegroups._tree import Tree
-    from .presets import Preset
 
 BACKENDS = ("nodes", "osl")
 ESTIMATORS = ("fit", "closure", "corrected", "hybrid", "mirror", "direct")
@@ -66,12 +68,15 @@ BUILDERS: dict[str, dict[str, Any]] = {
     },
     "glass": {"closure": glass_closure, "mirror": glass_mirror},
     "sum": dict.fromkeys(ESTIMATORS, sum_group),
+    "car_paint": dict.fromkeys(ESTIMATORS, car_paint),
+    "translucent": dict.fromkeys(("fit", "closure", "corrected", "hybrid", "mirror"), translucent),
 }
 UPRIGHT = {"closure", "direct"}  # estimators whose closures do not lean: others would be bent by Bump Map Correction
 NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
 RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
 EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
 KEY = "vgroove"  # custom property on a material: what it was built from
+ABSORPTION = "Absorption"  # label of the node beside the model's
 STATE = "vgroove_state"  # its inputs as built, to tell whether an artist changed them since
 
 
@@ -80,7 +85,7 @@ def binds(estimator: str, lamp_size: float, model: str = "cook_torrance") -> boo
 
     ``mirror`` and ``hybrid`` do so where it is 0, as their random rays cannot hit such a lamp; glass never does.
     """
-    if "direct" not in BUILDERS[model]:
+    if model in TRANSPARENT:
         return False
     return estimator in EVERY_LAMP or (estimator not in NATIVE and lamp_size == 0.0)
 
@@ -143,9 +148,9 @@ def build(preset: Preset, choice: Choice) -> Material:
     tree.nodes.clear()
     node = _group_node(tree, group, preset.name)
     for name, value in preset.parameters.items():
-        if SOCKETS[name] in node.inputs:  # smooth glass has no slope
+        if socket_name(name) in node.inputs:  # smooth glass has no slope
             # m = 0, a smooth interface, is what float32 can hold of it
-            _set(node, SOCKETS[name], max(preset.m, M_RANGE[0]) if name == "m" else value)
+            _set(node, socket_name(name), max(value, M_RANGE[0]) if base_name(name) == "m" else value)
     if choice.estimator == "hybrid":
         _set(node, "Bound", choice.bound)
     for index, one in enumerate(choice.lamps, 1):
@@ -153,6 +158,8 @@ def build(preset: Preset, choice: Choice) -> Material:
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     output.location = (300, 0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
+    if absorbs(preset):
+        _absorb(tree, output, preset.parameters["absorption"])
     if eevee.OUTPUT in node.outputs:
         output.target = "CYCLES"
         shown = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -166,9 +173,30 @@ def build(preset: Preset, choice: Choice) -> Material:
     return material
 
 
+def absorbs(preset: Preset) -> bool:
+    """Whether light loses something on its way through the material: a sheet has no inside, and white takes nothing."""
+    taken = preset.parameters.get("absorption", 0.0)
+    return preset.kind != "thin" and isinstance(taken, tuple) and any(taken)
+
+
+def _absorb(tree: ShaderNodeTree, output: Node, taken: Any) -> None:
+    group = nodegroups.ensure(absorption.NAME, absorption.REVISION, absorption.build)
+    node = _group_node(tree, group, ABSORPTION)
+    node.location = (0, -320)
+    _set(node, "Absorption", taken)
+    tree.links.new(node.outputs[0], output.inputs["Volume"])
+
+
 # Reference name -> group input
-SOCKETS = {"m": "Slope m", "f0": "F0", "eta": "IOR", "n": "n", "k": "k"}
+SOCKETS = {"m": "Slope m", "f0": "F0", "f82_tint": "F82 Tint", "eta": "IOR", "n": "n", "k": "k"}
 SOCKETS |= {"albedo": "Base Color", "sigma": "Sigma", "tint": "Tint", "d": "Diffuse", "s": "Specular"}
+SOCKETS |= {"absorption": "Absorption", "reflectance": "Reflectance", "mean_free_path": "Mean Free Path"}
+
+
+def socket_name(parameter: str) -> str:
+    """The group input of a parameter: "Slope m" of m, "Lobe 2 Slope m" of m_2."""
+    base = base_name(parameter)
+    return SOCKETS[base] if base == parameter else f"Lobe {parameter.removeprefix(base)[1:]} {SOCKETS[base]}"
 
 
 def apply(material: Material, objects: Sequence[Object]) -> int:
@@ -190,9 +218,46 @@ def _key(preset: Preset, choice: Choice) -> str:
         [one.name, lamp_binding.kind(one), lamp_binding.size(one) > 0, choice.shadows and one.data.use_shadow]
         for one in choice.lamps
     ]
-    of_preset = [preset.id, preset.kind, preset.coupled, preset.parameters]
+    of_preset = [preset.id, preset.model, preset.kind, preset.coupled, preset.parameters]
     more = [choice.bound] if choice.estimator == "hybrid" else []
     return json.dumps([*of_preset, choice.backend, choice.estimator, bound, *more])
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a material was built from, with the numbers that it has now; ``plain``: nothing was linked to it since."""
+
+    preset: Preset
+    backend: str
+    estimator: str
+    bound: float
+    plain: bool
+
+
+def origin_of(material: Material) -> Origin:
+    """The preset and choice behind a material that ``build`` made; the numbers are read from its group's inputs."""
+    identity, model, kind, coupled, parameters, backend, estimator, _, *bound = json.loads(material[KEY])
+    groups = [node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeGroup"]
+    node = next(node for node in groups if _is_model(node))
+    inputs = {
+        socket.name: socket for one in groups if _is_model(one) or one.label == ABSORPTION for socket in one.inputs
+    }
+    now = {name: tuple(value) if isinstance(value, list) else value for name, value in parameters.items()}
+    for name in parameters:
+        socket = inputs.get(socket_name(name))
+        if socket is not None and not (base_name(name) == "m" and parameters[name] == 0.0):
+            value = socket.default_value
+            now[name] = tuple(value)[:3] if isinstance(value, Iterable) else float(value)
+    known = all_presets().get(identity)
+    source = known.source if known else {"data": "unknown"}
+    preset = Preset(identity, node.label, model, kind, now, source, coupled=coupled)
+    limit = node.inputs["Bound"].default_value if "Bound" in node.inputs else next(iter(bound), DEFAULT_BOUND)
+    linked = {link.from_node for socket in node.inputs for link in socket.links}
+    return Origin(preset, backend, estimator, float(limit), plain=all(one.label.startswith("Lamp ") for one in linked))
+
+
+def _is_model(node: Node) -> bool:
+    return not node.label.startswith("Lamp ") and node.label != ABSORPTION
 
 
 def _state(material: Material) -> str:
@@ -222,7 +287,16 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
     module = known[choice.estimator]
     name, arguments = _form(preset)
     label = f"{module.NAME} {name}".strip()
-    if preset.model == "sum":
+    if preset.model == "car_paint":
+        label += f" {choice.estimator.title()}, {preset.lobes} lobe{'s' * (preset.lobes > 1)}"
+        build_group = module.build
+        base, lobe, *_ = (_group(of, choice) for of in preset.parts().values())  # the lobes' groups are one
+        arguments = {"base": base, "lobe": lobe, "lobes": preset.lobes}
+    elif preset.model == "translucent":
+        label += f" {choice.estimator.title()}"
+        build_group = module.build
+        arguments = {"coat": _group(preset.parts()["specular"], choice), "kind": preset.kind}
+    elif preset.model == "sum":
         label += f" {choice.estimator.title()}"
         build_group = module.build
         arguments = {part: _group(of, choice) for part, of in preset.parts().items()}
@@ -262,7 +336,7 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Cho
     group = nodegroups.ensure(lamp.name(**variant) + _suffix(choice), lamp.REVISION, partial(make, **variant))
     source = _group_node(tree, group, f"Lamp {index}: {one.name}")
     source.location = (-300, -540 * (index - 1))
-    lamp_binding.bind(source, one, index - 1)
+    lamp_binding.bind(source, one, index - 1, only_pointlike=choice.estimator in RANDOM)
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
 
@@ -270,9 +344,11 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Cho
 def _show_in_solid_view(material: Material, preset: Preset) -> None:
     """The colour head-on and the roughness, for viewports that do not run the shader."""
     values: dict[str, Any] = preset.parameters
-    color = values.get("albedo") or values.get("tint")
+    color = values.get("albedo") or values.get("tint") or values.get("reflectance")
     if color is None:
         color = tuple(float(channel) for channel in preset.reference_fresnel()(1.0))
+    for k in range(1, preset.lobes + 1):
+        color = tuple(c + values[f"s_{k}"] * f0 for c, f0 in zip(color, values[f"f0_{k}"], strict=True))
     material.diffuse_color = (*color, 0.3 if preset.transparent else 1.0)
     material.roughness = 1.0 if preset.model == "oren_nayar" else min(1.0, preset.m**0.5)
 

@@ -4,15 +4,24 @@
     name = "Copper"                 # what artists see
     model = "cook_torrance"         # opaque: reflection alone
     m = 0.3                         # RMS facet slope; 0 is a plain smooth interface
-    [fresnel]                       # one of: f0 (RGB); eta; n and k (RGB)
+    [fresnel]                       # one of: f0 (RGB); f0 and f82_tint (RGB); eta; n and k (RGB)
     f0 = [0.95, 0.64, 0.54]
+    m_range = [0.02, 0.5]           # recommended; may be left out, as the rest below
     [source]
     data = "author, year, table"    # where every number comes from
     trust = "what is measured and what is chosen"
+    [verified]
+    f0 = [0.95, 0.64, 0.54]         # reflectance head-on by the reference
 
-Other models take their numbers at the top: "oren_nayar" albedo (RGB), sigma and kind "full" or "qualitative"; "glass",
-which is transparent, m, eta, tint (RGB) and kind "interface" or "thin" (a sheet of it); "sum", a diffuse part under a
-specular one, d, s, albedo, sigma, m and [fresnel], and coupled = true where the diffuse part gets what that leaves.
+Other models take their numbers at the top:
+
+- "oren_nayar": albedo (RGB), sigma; kind "full" or "qualitative".
+- "glass", which is transparent: m, eta, tint (RGB), absorption (RGB, 1/m); kind "interface" or "thin" (a sheet of it).
+- "sum", a diffuse part under a specular one: d, s, albedo, sigma, m and [fresnel]; coupled = true where the diffuse
+  part gets what the specular one leaves.
+- "car_paint": albedo and sigma of its base and, for each of up to four lobes, a table [[lobes]] with s, m, f0,
+  f82_tint, which are its parameters s_1, m_1, ... s_2 and so on.
+- "translucent": reflectance and mean_free_path (RGB, metres) of the body, m and [fresnel] of the coat.
 
 Imports no bpy.
 """
@@ -21,32 +30,64 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .reference import Conductor, CookTorrance, Dielectric, Fresnel, Glass, OrenNayar, Schlick, Smooth, Sum
+from .reference import (
+    F82,
+    CarPaint,
+    Conductor,
+    CookTorrance,
+    Dielectric,
+    Fresnel,
+    Glass,
+    Lambert,
+    OrenNayar,
+    Schlick,
+    Smooth,
+    Sum,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 FOLDER = Path(__file__).parent.parent / "presets"
 FIRST_FAMILY = "lecture"  # wins where a bare name is ambiguous
-MODELS = {"cook_torrance": ("m",), "oren_nayar": ("albedo", "sigma"), "glass": ("m", "eta", "tint")}  # their numbers
+MODELS = {
+    "cook_torrance": ("m",),
+    "oren_nayar": ("albedo", "sigma"),
+    "glass": ("m", "eta", "tint", "absorption"),
+}  # their numbers
 MODELS["sum"] = ("d", "s", *MODELS["oren_nayar"], *MODELS["cook_torrance"])
+MODELS["car_paint"] = ("albedo", "sigma")
+MODELS["translucent"] = ("reflectance", "mean_free_path", *MODELS["cook_torrance"])
+LOBE, MOST_LOBES = ("s", "m", "f0", "f82_tint"), 4  # of car paint
 FLAGS = {"sum": ("coupled",)}  # what is true or false of a model; false where it is not given
-KINDS = {"oren_nayar": ("full", "qualitative"), "glass": ("interface", "thin")}  # the first where none is given
+# The first where none is given
+KINDS = {"oren_nayar": ("full", "qualitative"), "glass": ("interface", "thin"), "car_paint": ("f82",)}
 TRANSPARENT = {"glass"}
-DEFAULTS = {"tint": (1.0, 1.0, 1.0)}
-FRESNEL_KEYS = {"schlick": ("f0",), "dielectric": ("eta",), "conductor": ("n", "k")}
+DEFAULTS = {"tint": (1.0, 1.0, 1.0), "absorption": (0.0, 0.0, 0.0)}
+FRESNEL_KEYS = {"schlick": ("f0",), "dielectric": ("eta",), "conductor": ("n", "k"), "f82": ("f0", "f82_tint")}
 M_RANGE = (1e-4, 10.0)  # what float32 shaders keep finite; 0 stands for a smooth interface
-RANGES = {"m": M_RANGE, "f0": (0.0, 1.0), "eta": (0.1, 10.0), "n": (0.0, 20.0), "k": (0.0, 20.0)}
+RANGES = {
+    "m": M_RANGE,
+    "f0": (0.0, 1.0),
+    "f82_tint": (0.0, 1.0),
+    "eta": (0.1, 10.0),
+    "n": (0.0, 20.0),
+    "k": (0.0, 20.0),
+}
 # White Oren-Nayar as published sends back up to 1.051 of what arrives; below 0.95 no direction exceeds 1.
 RANGES |= {"d": (0.0, 1.0), "s": (0.0, 1.0), "albedo": (0.0, 0.95), "sigma": (0.0, pi / 2), "tint": (0.0, 1.0)}
-RGB = {"f0", "n", "k", "albedo", "tint"}
+RANGES |= {"absorption": (0.0, 1e5), "reflectance": (0.0, 1.0), "mean_free_path": (0.0, 10.0)}
+COUPLED_F0, COUPLED_ETA = 0.25, 3.0  # up to which the shaders' albedo of the specular part was fitted and is tested
+RGB = {"f0", "f82_tint", "n", "k", "albedo", "tint", "absorption", "reflectance", "mean_free_path"}
+LISTS = {"car_paint": ("lobes",)}  # tables of numbers beside a model's own
 TOP_KEYS = {"name": str, "model": str, "kind": str, "fresnel": dict, "source": dict, "tags": list, "notes": str}
+TOP_KEYS |= {"m_range": list, "verified": dict}
 SOURCE_KEYS = ("data", "licence", "trust")
 
 
@@ -59,6 +100,7 @@ class Preset:
     """One material. ``parameters`` holds the model's numbers by their reference names.
 
     ``kind`` is the form of the model: of ``cook_torrance`` that of its Fresnel term, else one of ``KINDS``.
+    ``m_range``: slopes that suit the material. ``verified``: its reflectance head-on, "f0", by the reference.
     """
 
     id: str
@@ -70,6 +112,8 @@ class Preset:
     tags: tuple[str, ...] = ()
     notes: str = ""
     coupled: bool = False
+    m_range: tuple[float, float] | None = None
+    verified: dict[str, float | tuple[float, float, float]] = field(default_factory=dict)
 
     @property
     def family(self) -> str:
@@ -77,10 +121,10 @@ class Preset:
 
     @property
     def m(self) -> float:
-        """RMS facet slope; 0 for a smooth interface, and for a model that has none."""
-        value = self.parameters.get("m", 0.0)
-        assert isinstance(value, float)  # noqa: S101 - one number by RANGES; only colours are tuples
-        return value
+        """RMS facet slope, of several lobes the largest; 0 for a smooth interface, and for a model that has none."""
+        return max(
+            (v for key, v in self.parameters.items() if base_name(key) == "m" and isinstance(v, float)), default=0.0
+        )
 
     @property
     def transparent(self) -> bool:
@@ -93,16 +137,22 @@ class Preset:
             "schlick": Schlick,
             "dielectric": Dielectric,
             "conductor": Conductor,
+            "f82": F82,
         }
         return kinds[self.kind](*(self.parameters[key] for key in FRESNEL_KEYS[self.kind]))
 
-    def reference(self) -> CookTorrance | Smooth | OrenNayar | Glass | Sum:
+    def reference(self) -> CookTorrance | Smooth | OrenNayar | Glass | Sum | CarPaint:
         """The model of the reference that this preset stands for."""
         values: dict[str, Any] = self.parameters
         if self.model == "oren_nayar":
             return OrenNayar(values["albedo"], values["sigma"], qualitative=self.kind == "qualitative")
         if self.model == "glass":
             return Glass(self.m, values["eta"], values["tint"], thin=self.kind == "thin")
+        if self.model == "car_paint":
+            base, *lobes = (part.reference() for part in self.parts().values())
+            return CarPaint(base, tuple(lobes), tuple(values[f"s_{k}"] for k in range(1, len(lobes) + 1)))
+        if self.model == "translucent":  # as a large body is under even light
+            return Sum(Lambert(values["reflectance"]), self.parts()["specular"].reference(), 1.0, 1.0, coupled=True)
         if self.model == "sum":
             diffuse, specular = (part.reference() for part in self.parts().values())
             return Sum(diffuse, specular, values["d"], values["s"], self.coupled)
@@ -110,15 +160,25 @@ class Preset:
         return Smooth(F) if self.m == 0 else CookTorrance(self.m, F)
 
     def parts(self) -> dict[str, Preset]:
-        """The diffuse and the specular part of a sum, each as a preset."""
-        models = {"diffuse": ("oren_nayar", KINDS["oren_nayar"][0]), "specular": ("cook_torrance", self.kind)}
-        return {
-            part: replace(self, model=model, kind=kind, parameters={
-                key: value for key, value in self.parameters.items()
-                if key in MODELS[model] or (part == "specular" and key in FRESNEL_KEYS[kind])
-            })
-            for part, (model, kind) in models.items()
-        }  # fmt: skip
+        """The diffuse part of a sum or a car paint and what lies over it, or a body's coat, each as a preset."""
+        parts = {}
+        if self.model in {"sum", "car_paint"}:
+            parts["diffuse"] = self._part("oren_nayar", KINDS["oren_nayar"][0], "")
+        if self.model in {"sum", "translucent"}:
+            parts["specular"] = self._part("cook_torrance", self.kind, "")
+        for k in range(1, self.lobes + 1):
+            parts[f"lobe {k}"] = self._part("cook_torrance", self.kind, f"_{k}")
+        return parts
+
+    @property
+    def lobes(self) -> int:
+        """How many lobes a car paint has; 0 for other models."""
+        return sum(base_name(key) == "s" and key != "s" for key in self.parameters)
+
+    def _part(self, model: str, kind: str, suffix: str) -> Preset:
+        wanted = (*MODELS[model], *FRESNEL_KEYS.get(kind, ()))
+        numbers = {key: self.parameters[key + suffix] for key in wanted}
+        return replace(self, model=model, kind=kind, parameters=numbers)
 
     def with_parameters(self, **changes: Any) -> Preset:
         """A copy with some parameters changed; raises PresetError for an unknown name or a value out of range."""
@@ -143,10 +203,11 @@ def parse(text: str, identity: str, where: str) -> Preset:
         raise PresetError(message)
     numbers = MODELS[model]
     for key, value in data.items():
-        _known(where, key, [*TOP_KEYS, *numbers, *FLAGS.get(model, ())])
+        _known(where, key, [*TOP_KEYS, *numbers, *FLAGS.get(model, ()), *LISTS.get(model, ())])
         if key in TOP_KEYS:
             _typed(where, key, value, TOP_KEYS[key])
     needed = [key for key in numbers if key not in DEFAULTS] + ["fresnel"] * (model not in KINDS)
+    needed += LISTS.get(model, ())
     for key in ("name", "model", *needed, "source"):
         if key not in data:
             message = f'{where}: "{key}" is missing; add {_example(key)}'
@@ -154,6 +215,8 @@ def parse(text: str, identity: str, where: str) -> Preset:
     parameters = {key: _number(where, key, data.get(key, DEFAULTS.get(key))) for key in numbers}
     if model in KINDS:
         kind = _kind(where, model, data)
+        if model == "car_paint":
+            parameters |= _lobes(where, data["lobes"])
     else:
         kind = _fresnel_kind(where, data["fresnel"])
         parameters |= {key: _number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[kind]}
@@ -161,7 +224,10 @@ def parse(text: str, identity: str, where: str) -> Preset:
     _holds_together(where, parameters, kind, coupled=coupled)
     source = _source(where, data["source"])
     tags = tuple(_typed(where, "tags", tag, str) for tag in data.get("tags", []))
-    return Preset(identity, data["name"], model, kind, parameters, source, tags, data.get("notes", ""), coupled)
+    m_range = _m_range(where, data["m_range"], parameters) if "m_range" in data else None
+    verified = _verified(where, data.get("verified", {}))
+    notes = data.get("notes", "")
+    return Preset(identity, data["name"], model, kind, parameters, source, tags, notes, coupled, m_range, verified)
 
 
 def load(path: Path) -> Preset:
@@ -235,9 +301,34 @@ def _typed(where: str, key: str, value: Any, kind: type) -> Any:
     return value
 
 
+def base_name(key: str) -> str:
+    """The name of a number without that of its lobe: m of m_2."""
+    name, _, lobe = key.rpartition("_")
+    return name if lobe.isdigit() else key
+
+
+def _lobes(where: str, tables: Any) -> dict[str, float | tuple[float, float, float]]:
+    """The numbers of each lobe of a car paint, s_1, m_1 and so on."""
+    _typed(where, "lobes", tables, list)
+    if not 1 <= len(tables) <= MOST_LOBES:
+        message = f"{where}: [[lobes]] must be 1 to {MOST_LOBES} tables, got {len(tables)}"
+        raise PresetError(message)
+    numbers: dict[str, float | tuple[float, float, float]] = {}
+    for index, table in enumerate(tables, 1):
+        of = f"{where}: lobe {index}"
+        for key in _typed(where, "lobes", table, dict):
+            _known(of, key, LOBE)
+        for key in LOBE:
+            if key not in table:
+                message = f'{of}: "{key}" is missing; a lobe has {", ".join(LOBE)}'
+                raise PresetError(message)
+            numbers[f"{key}_{index}"] = _number(of, key, table[key])
+    return numbers
+
+
 def _number(where: str, key: str, value: Any) -> float | tuple[float, float, float]:
     """A parameter within its range: one number, or three for RGB (one number then counts for all three)."""
-    if key not in RGB:
+    if base_name(key) not in RGB:
         return _in_range(where, key, value)
     channels = [value] * 3 if isinstance(value, (int, float)) else value
     if not isinstance(channels, (list, tuple)) or len(channels) != 3:
@@ -249,7 +340,7 @@ def _number(where: str, key: str, value: Any) -> float | tuple[float, float, flo
 
 def _in_range(where: str, key: str, value: Any) -> float:
     number = float(_typed(where, key, value, float))
-    low, high = RANGES[key]
+    low, high = RANGES[base_name(key)]
     if key == "m" and number == 0.0:
         return number
     if not low <= number <= high:
@@ -261,9 +352,16 @@ def _in_range(where: str, key: str, value: Any) -> float:
 
 def _holds_together(where: str, parameters: dict[str, Any], kind: str, *, coupled: bool) -> None:
     """The weights of a sum share what arrives; a coupled one lets light through to its diffuse part."""
-    if coupled:
+    if coupled or "mean_free_path" in parameters:
         _holds_coupled(where, parameters, kind)
         return
+    lobes = [value for key, value in parameters.items() if base_name(key) == "s" and key != "s"]
+    if lobes and sum(lobes) + max(parameters["albedo"]) > 1.0 + 1e-9:
+        got = f"{max(parameters['albedo']):g} + {sum(lobes):g}"
+        message = (
+            f"{where}: albedo and all s must together be at most 1, or more light would leave than arrives; got {got}"
+        )
+        raise PresetError(message)
     d, s = parameters.get("d", 0.0), parameters.get("s", 0.0)
     if d + s > 1.0 + 1e-9:
         message = f"{where}: d + s must be at most 1, or more light would leave than arrives; got {d:g} + {s:g}"
@@ -271,14 +369,22 @@ def _holds_together(where: str, parameters: dict[str, Any], kind: str, *, couple
 
 
 def _holds_coupled(where: str, parameters: dict[str, Any], kind: str) -> None:
-    if kind == "conductor":
-        message = f"{where}: a coupled sum needs eta or f0: no light passes a metal (n and k) to a diffuse part"
+    coated = "a translucent body" if "mean_free_path" in parameters else "a coupled sum"
+    if kind in {"conductor", "f82"}:
+        message = f"{where}: {coated} needs eta or f0: no light passes a metal to what lies below"
         raise PresetError(message)
     if kind == "schlick" and len(set(parameters["f0"])) > 1:
-        message = f"{where}: a coupled sum needs an f0 without colour, got {list(parameters['f0'])}; give one number"
+        message = f"{where}: {coated} needs an f0 without colour, got {list(parameters['f0'])}; give one number"
+        raise PresetError(message)
+    if kind == "schlick" and max(parameters["f0"]) > COUPLED_F0:
+        got = f"{max(parameters['f0']):g}"
+        message = f"{where}: {coated} needs f0 of at most {COUPLED_F0:g} (an index of 3), got {got}"
+        raise PresetError(message)
+    if kind == "dielectric" and not 1.0 <= parameters["eta"] <= COUPLED_ETA:
+        message = f"{where}: {coated} needs eta from 1 to {COUPLED_ETA:g}, got {parameters['eta']:g}"
         raise PresetError(message)
     if parameters["m"] > 1.0:
-        message = f"{where}: a coupled sum needs m of at most 1, got {parameters['m']:g}"
+        message = f"{where}: {coated} needs m of at most 1, got {parameters['m']:g}"
         raise PresetError(message)
 
 
@@ -296,11 +402,13 @@ def _kind(where: str, model: str, data: dict[str, Any]) -> str:
 
 def _fresnel_kind(where: str, table: dict[str, Any]) -> str:
     for key in table:
-        _known(where, key, ("f0", "eta", "n", "k"))
+        _known(where, key, [key for keys in FRESNEL_KEYS.values() for key in keys])
     for kind, keys in FRESNEL_KEYS.items():
         if set(table) == set(keys):
             return kind
-    message = f"{where}: [fresnel] must hold f0, or eta, or n and k; got {', '.join(table) or 'nothing'}"
+    message = (
+        f"{where}: [fresnel] must hold f0, or f0 and f82_tint, or eta, or n and k; got {', '.join(table) or 'nothing'}"
+    )
     raise PresetError(message)
 
 
@@ -314,6 +422,26 @@ def _source(where: str, table: dict[str, Any]) -> dict[str, str]:
     return dict(table)
 
 
+def _m_range(where: str, values: list[Any], parameters: dict[str, Any]) -> tuple[float, float]:
+    """Two ascending slopes around the preset's own."""
+    bounds = [_in_range(where, "m", value) for value in values]
+    if "m" not in parameters:
+        message = f"{where}: m_range goes with a model that has an m; leave it out"
+        raise PresetError(message)
+    if len(bounds) != 2 or not bounds[0] <= parameters["m"] <= bounds[1]:
+        message = f"{where}: m_range must be two slopes with m = {parameters['m']:g} between them, got {values}"
+        raise PresetError(message)
+    return bounds[0], bounds[1]
+
+
+def _verified(where: str, table: dict[str, Any]) -> dict[str, float | tuple[float, float, float]]:
+    checked = {}
+    for key, value in table.items():
+        _known(f"{where}: [verified]", key, ("f0",))
+        checked[key] = _number(where, key, value)
+    return checked
+
+
 def _example(key: str) -> str:
     return {
         "name": 'name = "Copper"',
@@ -324,6 +452,7 @@ def _example(key: str) -> str:
         "sigma": "sigma = 0.3",
         "d": "d = 0.6",
         "s": "s = 0.4",
-        "fresnel": "a table [fresnel] with f0, eta, or n and k",
+        "lobes": "a table [[lobes]] with s, m, f0 and f82_tint for each lobe",
+        "fresnel": "a table [fresnel] with f0, f0 and f82_tint, eta, or n and k",
         "source": 'a table [source] with data = "author, year, page"',
     }[key]

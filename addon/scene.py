@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,19 +12,22 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..nodegroups import lamp
+from ..nodegroups import cook_torrance_closure, lamp
 from . import lamps
 from .files import replacing
-from .material import BUILDERS, EVERY_LAMP, NATIVE, RANDOM, binds
+from .material import BUILDERS, EVERY_LAMP, KEY, NATIVE, RANDOM, Choice, binds, build, origin_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from bpy.types import Object, Scene
+    from bpy.types import Material, Object, Scene
+
+    from .presets import Preset
 
 SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
 LAMP_SIZE = 0.05  # metres: what "Give lamps a size" gives points and spots
 MEASURED_SAMPLES = 4096  # to which docs/error.md goes
+WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
 FORMATS = {".exr": "OPEN_EXR", ".png": "PNG"}
 
 
@@ -50,15 +54,83 @@ def problems(scene: Scene, backend: str, estimator: str, m: float = 0.0, model: 
         return [*found, Problem("model", text)]
     if estimator in RANDOM:
         found += _mirror_problems(scene, estimator, model)
+        found += _shadow_problems(backend, estimator, lamps_to_bind(scene, estimator, model))
     if estimator == "direct":
         found += _direct_problems(scene)
     if estimator in EVERY_LAMP:
         found += _bound_problems(scene, backend, estimator)
-    if estimator in {*NATIVE, "hybrid"} and m > 1.0:
-        found.append(
-            Problem("slope", f"{estimator.title()} ends at m = 1, to which Cycles clamps; m is {m:g}. Choose Mirror")
-        )
+    if estimator in {*NATIVE, "corrected", "hybrid"} and m > 1.0:
+        but = " but at bound lamps" if estimator == "corrected" else ""
+        text = f"{estimator.title()} ends at m = 1{but}, to which Cycles clamps; m is {m:g}. Choose Mirror"
+        found.append(Problem("slope", text))
     return found
+
+
+def problems_with(scene: Scene, preset: Preset, backend: str, estimator: str) -> list[Problem]:
+    """The same for a preset, and what the preset's own numbers ask of the estimator."""
+    found = problems(scene, backend, estimator, preset.m, preset.model)
+    for part in list(preset.parts().values()) or [preset]:
+        if part.model == "cook_torrance" and estimator in BUILDERS[preset.model]:
+            found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
+    return [*found, *_stale_problems(scene)]
+
+
+def _fresnel_problems(preset: Preset, backend: str, estimator: str) -> Iterator[Problem]:
+    off = native_fresnel_error(preset.kind, backend)
+    if off and estimator not in {"mirror", "direct"}:
+        mend = "choose Mirror" if preset.kind == "conductor" else "choose OSL or Mirror"
+        text = f"Cycles' own lobes approximate this Fresnel term in Blender {bpy.app.version_string}"
+        yield Problem("fresnel", f"{text}: up to {100 * off:g} % of the light; {mend}")
+    head_on = preset.reference_fresnel()(1.0)
+    weak = preset.kind != "conductor" and (min(head_on) < WEAKEST or _is_thinner(preset))
+    if estimator == "hybrid" and weak:
+        text = f"Hybrid's bound holds for reflectances head-on from {WEAKEST:g}, seen from the thinner side"
+        yield Problem("bound", f"{text}; this material has {min(head_on):.2g}. Choose Mirror")
+
+
+def _is_thinner(preset: Preset) -> bool:
+    eta = preset.parameters.get("eta", 1.0)
+    return isinstance(eta, float) and eta < 1.0
+
+
+def native_fresnel_error(kind: str, backend: str) -> float:
+    """How far the Fresnel term of Cycles' own lobes may be off on this Blender, as a reflectance; 0 if it is exact."""
+    if cook_torrance_closure.has_exact_conductor() or kind not in {"conductor", "dielectric"}:
+        return 0.0
+    if kind == "conductor":
+        return 0.01
+    return 0.035 if backend == "nodes" else 0.0
+
+
+def _stale_problems(scene: Scene) -> Iterator[Problem]:
+    """Materials made before a lamp was added or lost its size: what that lamp gives would be missing."""
+    used = {
+        slot.material
+        for item in lamps.rendered(scene)
+        for slot in item.material_slots
+        if slot.material and KEY in slot.material
+    }
+    for made in sorted(used, key=lambda one: one.name):
+        origin = origin_of(made)
+        missing = [
+            item.name for item in lamps_to_bind(scene, origin.estimator, origin.preset.model)
+            if item not in lamps.bound(made)
+        ]  # fmt: skip
+        if missing:
+            text = f"{made.name} was made before {', '.join(missing)} had to be bound, and misses that light"
+            yield Problem(
+                f"stale {made.name}", text, "Make It Anew", partial(_renew, scene, made) if origin.plain else None
+            )
+
+
+def _renew(scene: Scene, made: Material) -> None:
+    origin = origin_of(made)
+    bind = lamps_to_bind(scene, origin.estimator, origin.preset.model)
+    new = build(origin.preset, Choice(origin.backend, origin.estimator, bind, bound=origin.bound))
+    for item in scene.objects:
+        for slot in item.material_slots:
+            if slot.material == made:
+                slot.material = new
 
 
 def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
@@ -81,7 +153,9 @@ def _compute_device() -> str:
     return addon.preferences.compute_device_type if addon else "NONE"
 
 
-def _mirror_problems(scene: Scene, estimator: str = "mirror", model: str = "cook_torrance") -> Iterator[Problem]:
+def _mirror_problems(  # noqa: C901 - one condition a problem
+    scene: Scene, estimator: str = "mirror", model: str = "cook_torrance"
+) -> Iterator[Problem]:
     cycles, world, name = scene.cycles, scene.world, estimator.title()
     part = "" if estimator == "mirror" else " but Fit's share"
     bound = lamps_to_bind(scene, estimator, model)
@@ -114,6 +188,9 @@ def _mirror_problems(scene: Scene, estimator: str = "mirror", model: str = "cook
     if cycles.sample_clamp_indirect > 0:
         text = f"Clamp Indirect is on and darkens {name}"
         yield Problem("clamp", text, "Set Clamp Indirect to 0", lambda: _set(cycles, sample_clamp_indirect=0.0))
+    if model == "glass" and not cycles.caustics_refractive:
+        text = f"Refractive Caustics are off: light through {name} is lost"
+        yield Problem("refractive", text, "Switch Caustics On", lambda: _set(cycles, caustics_refractive=True))
     if not cycles.caustics_reflective:
         text = f"Reflective Caustics are off: light by way of {name} is lost"
         yield Problem("caustics", text, "Switch Caustics On", lambda: _set(cycles, caustics_reflective=True))
@@ -142,9 +219,14 @@ def _bound_problems(scene: Scene, backend: str, estimator: str) -> Iterator[Prob
     if sized:
         text = f"{name} draws a random point on lamps with a size, which brings noise: {_names(sized)}"
         yield Problem("sized", text)
-    if followed and backend == "nodes" and not lamp.can_cast_shadows():
-        text = f"{name} casts no shadows with nodes in this Blender, which has no Raycast node; choose OSL"
-        yield Problem("shadows", text)
+    yield from _shadow_problems(backend, estimator, followed)
+
+
+def _shadow_problems(backend: str, estimator: str, bound: Sequence[Object]) -> Iterator[Problem]:
+    if bound and backend == "nodes" and not lamp.can_cast_shadows():
+        what = {"direct": "Bound lamps", "corrected": "What Corrected adds of lamps"}
+        text = f"{what.get(estimator, 'Lamps of zero size')} shine through things with nodes in this Blender"
+        yield Problem("shadows", f"{text}, which has no Raycast node; choose OSL: {_names(bound)}")
 
 
 def _names(items: Sequence[Object]) -> str:
@@ -184,7 +266,7 @@ class Pick:
     why: str
 
 
-def pick(scene: Scene, m: float = 0.3, model: str = "cook_torrance") -> Pick:
+def pick(scene: Scene, m: float = 0.3, model: str = "cook_torrance", backend: str = "nodes") -> Pick:
     """``auto``: what errs least, bias and noise together, at up to 4096 samples on the scenes of docs/error.md.
 
     Glass has no ``fit``: there ``mirror`` is picked where rays readily hit every light.
@@ -195,7 +277,8 @@ def pick(scene: Scene, m: float = 0.3, model: str = "cook_torrance") -> Pick:
         return Pick("mirror", "beyond m = 1 Cycles' closures end, and rays readily hit every light")
     if m > 1.0:
         return Pick("corrected", "beyond m = 1 only the formula at lamps is right; the rest is shown as m = 1")
-    shadowless = not lamp.can_cast_shadows()  # then what corrects a lamp would shine into its shadows
+    # Then what corrects a lamp would shine into its shadows.
+    shadowless = backend == "nodes" and not lamp.can_cast_shadows()
     if not shadowless and any(lamps.refusal(item) is None for item in lamps.of_scene(scene)):
         return Pick("corrected", "lamps are exact by the formula, and the rest has no added noise")
     if scene.cycles.samples > MEASURED_SAMPLES:
@@ -218,9 +301,9 @@ def _pick_glass(scene: Scene, m: float) -> Pick:
     return Pick("mirror", "rays readily hit every light, and it is exact")
 
 
-def pick_estimator(scene: Scene, m: float = 0.3, model: str = "cook_torrance") -> str:
+def pick_estimator(scene: Scene, m: float = 0.3, model: str = "cook_torrance", backend: str = "nodes") -> str:
     """The estimator of ``pick``."""
-    return pick(scene, m, model).estimator
+    return pick(scene, m, model, backend).estimator
 
 
 def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") -> tuple[Object, ...]:

@@ -12,7 +12,7 @@ from math import e
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Container, Iterator
 
     import bpy
 
@@ -106,19 +106,23 @@ class Tree:
         item.min_value, item.max_value, item.default_value, item.hide_value = low, high, default, hide_value
         return self._from_input()
 
-    def inputs_of(self, group: bpy.types.ShaderNodeTree) -> None:
-        """Inputs like those of another group, panels too, but for names that there are already."""
-        panels = {"": None}
+    def inputs_of(self, group: bpy.types.ShaderNodeTree, prefix: str = "", own: Container[str] = ()) -> None:
+        """Inputs like those of another group, panels too, but for names that there are already.
+
+        Those of the names ``own`` get the ``prefix`` and go where the caller is, into a panel of its.
+        """
+        around, panels = self._panel, {"": None}
         known = {socket.name for socket in self._input.outputs}
         for item in group.interface.items_tree:
             if item.item_type == "PANEL":
                 there = self.node_tree.interface.items_tree
                 same = next((p for p in there if p.item_type == "PANEL" and p.name == item.name), None)
                 panels[item.name] = same or self.node_tree.interface.new_panel(item.name, default_closed=True)
-            elif item.in_out == "INPUT" and item.name not in known:
-                self._panel = panels[item.parent.name]
-                copy = self._socket(item.name, "INPUT", item.socket_type, item.description)
-                self._panel = None
+            elif item.in_out == "INPUT" and (item.name in own or item.name not in known):
+                self._panel = around if item.name in own else panels[item.parent.name]
+                name = (prefix if item.name in own else "") + item.name
+                copy = self._socket(name, "INPUT", item.socket_type, item.description)
+                self._panel = around
                 for name in ("subtype", "min_value", "max_value", "default_value", "hide_value"):
                     if hasattr(item, name):
                         setattr(copy, name, getattr(item, name))

@@ -24,7 +24,7 @@ class Inputs:
 
 
 def interface(tree: Tree, kind: str, *, m_high: float) -> Inputs:
-    """F0, or IOR, or n and k; Slope m; Normal. The same for every estimator and backend."""
+    """The Fresnel term's own; Slope m; Normal. The same for every estimator and backend."""
     parameters = fresnel.interface(tree, kind)
     m = tree.input_float(
         "Slope m", 0.3, low=1e-4, high=m_high, tip="RMS slope of the facets; Blender's Roughness is its square root"
@@ -33,8 +33,8 @@ def interface(tree: Tree, kind: str, *, m_high: float) -> Inputs:
 
 
 def given(tree: Tree, kind: str) -> Inputs:
-    """The same inputs, where another group's have been taken over."""
-    labels = {"schlick": {"f0": "F0"}, "dielectric": {"eta": "IOR"}, "conductor": {"n": "n", "k": "k"}}[kind]
+    """The same inputs, where another group's have been taken over; of kinds that a coupled sum takes."""
+    labels = {"schlick": {"f0": "F0"}, "dielectric": {"eta": "IOR"}}[kind]
     parameters = {name: tree.given(label) for name, label in labels.items()}
     return Inputs(parameters, tree.given("Slope m"), tree.given("Normal"))
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..addon.reference.fresnel import F82_COSINE
 from . import cook_torrance, fresnel
 from ._tree import Number, Tree, Value, sqrt
 
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 NAME = "VGroove Cook-Torrance Closure"
 REVISION = 1
 EXACT_CONDUCTOR = (5, 2, 0)  # earlier Physical Conductors approximate: up to 0.8 % of the peak, half of it at k = 0
-F82_COSINE = 1.0 / 7.0  # where Blender's F82 Tint holds
 
 
 def has_exact_conductor() -> bool:
@@ -43,6 +43,8 @@ def lobe(
         tree.connect(tangent, metallic.inputs["Tangent"])
     if kind == "schlick":
         _f82(tree, metallic, parameters["f0"], (1.0, 1.0, 1.0))  # with a white edge F82 is Schlick's formula
+    elif kind == "f82":
+        _f82(tree, metallic, parameters["f0"], parameters["f82_tint"])
     elif kind == "dielectric" and not has_exact_conductor():
         _f82(tree, metallic, *_f82_of_dielectric(tree, parameters["eta"]))
     else:

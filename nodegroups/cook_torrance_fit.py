@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ..addon.reference.cook_torrance_fit import ALONE, FUNCTIONS, HALF_CLIPPED, MOST_LEAN, NARROWEST
 from . import cook_torrance, ensure
 from . import cook_torrance_closure as closure
-from ._tree import Tree, Value, cross, dot, exp, length, maximum, minimum, normalize, scale, sqrt, vector
+from ._tree import Tree, Value, cross, dot, exp, length, maximum, minimum, scale, sqrt
 from .cook_torrance_table import by_lobe, count, shared
 from .cook_torrance_table import share as of_share
 from .polynomial import chebyshev, series2
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ._tree import Number
 
 NAME = "VGroove Cook-Torrance Fit"
-REVISION = 4
+REVISION = 5
 LOBES_NAME = "VGroove Fit Lobes"
 
 
@@ -44,22 +44,23 @@ def build_osl(tree: Tree, kind: str) -> None:
 
 
 def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
-    """The mixture, one Metallic BSDF a lobe."""
+    """The mixture, one Metallic BSDF a lobe, which makes the lobe's normal a unit vector itself."""
     N = shading_normal(tree, inputs.normal)
     mixture = lobes(tree, inputs.m, N)
-    root = sqrt(mixture.across)  # what Cycles' Metallic BSDF takes for the square root of a round lobe's slope
+    with tree.frame("Roughness^4 = across^2 aspect: Metallic BSDF's slopes are roughness^2 times aspect^(+-1/2)"):
+        fourth = scale(mixture.aspect, mixture.across**2).xyz
     shaders = []
-    for lobe in mixture.lobes:
+    for lobe, power in zip(mixture.lobes, fourth, strict=False):
         with tree.frame("Lobe"):
-            roughness = root * sqrt(sqrt(aspect(lobe)))
+            roughness = sqrt(sqrt(power))
             native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, lobe.anisotropy, mixture.tangent)
-            shaders.append(tree.weighted(native, lobe.weight))
+            shaders.append(tree.weighted(native, lobe.weight))  # which holds the weight to 0..1
     return tree.add_shaders(shaders)
 
 
 @dataclass(frozen=True)
 class Lobe:
-    """One lobe of the mixture: its slope within the plane of view is across (1 - 0.9 anisotropy)."""
+    """One lobe of the mixture; its weight not yet held to 0..1, its normal not yet of length 1."""
 
     weight: Value
     anisotropy: Value
@@ -68,20 +69,15 @@ class Lobe:
 
 @dataclass(frozen=True)
 class Mixture:
-    """The lobes as seen from the viewer, and what they share: slope ``across`` the plane of view, along ``tangent``."""
+    """The lobes as seen from the viewer, and what they share: slope ``across`` the plane of view, along ``tangent``.
+
+    ``aspect``: of each lobe the slope within the plane of view over that across.
+    """
 
     lobes: list[Lobe]
+    aspect: Value
     across: Value
     tangent: Value
-
-    def within(self, lobe: Lobe) -> Value:
-        """RMS slope of a lobe within the plane of view."""
-        return self.across * aspect(lobe)
-
-
-def aspect(lobe: Lobe) -> Value:
-    """Slope within the plane of view over that across, as Cycles' Metallic BSDF has it."""
-    return 1.0 - (1.0 - NARROWEST) * lobe.anisotropy
 
 
 def lobes(tree: Tree, m: Value, N: Value) -> Mixture:
@@ -90,10 +86,16 @@ def lobes(tree: Tree, m: Value, N: Value) -> Mixture:
     outputs = {output.name: Value(tree, output) for output in node.outputs}
     weights, anisotropies = (outputs[name].xyz for name in ("Weight", "Anisotropy"))
     each = [Lobe(weights[k], anisotropies[k], outputs[f"Normal {k + 1}"]) for k in range(count())]
-    return Mixture(each, outputs["Across"], outputs["Tangent"])
+    with tree.frame("Aspect of each lobe, as Cycles' Metallic BSDF has it"):
+        aspect = tree.math("MULTIPLY_ADD", outputs["Anisotropy"], NARROWEST - 1.0, 1.0)
+    return Mixture(each, aspect, outputs["Across"], outputs["Tangent"])
 
 
 def build_lobes(tree: Tree) -> None:
+    """Each shading runs all of this that is not constant, so it is laid out for few nodes.
+
+    Numbers are linked to vectors as they are: Cycles then takes one step, for Combine XYZ three.
+    """
     slope = tree.input_float("m", 0.3, low=1e-4, high=10.0, tip="RMS slope of the facets")
     N = tree.input_vector("N", (0, 0, 1), hide_value=True, tip="Unit normal")
     wo = tree.geometry("Incoming")
@@ -101,27 +103,28 @@ def build_lobes(tree: Tree) -> None:
     x, aside = grazing(tree, m, N)
     g = clipped_share(tree, m, N, aside)
     with tree.frame("The table's polynomials, one component a lobe"):
-        y, n, alone = 2.0 * x - 1.0, 2.0 * m - 1.0, (ALONE, 0.0, 0.0)
-        weight, anisotropy, tilt = table(vector(y, y, y), vector(n, n, n), *map(by_lobe, FUNCTIONS[:3]))
-        (across,) = table(y, n, shared("across"))
-        weight, across = alone + scale(weight, g), minimum(m * (1.0 + g * across), 1.0)
+        y, n = (tree.math("MULTIPLY_ADD", v, (2.0, 2.0, 2.0), (-1.0, -1.0, -1.0)) for v in (x, m))
+        functions = [*map(by_lobe, FUNCTIONS[:3]), shared("across")]
+        weight, anisotropy, tilt, across = table(y, n, *functions)
+        weight = tree.math("MULTIPLY_ADD", g, weight, (ALONE, 0.0, 0.0))
+        widened = minimum(m * tree.math("MULTIPLY_ADD", g, across.xyz[0], 1.0), 1.0)
     with tree.frame("Normals that lean away from the viewer"):
-        lean, most = scale(aside, m * (1.0 - x)), MOST_LEAN / maximum(x * length(aside), 0.01)
-        normals = [normalize(N - scale(lean, minimum(g * part, most))) for part in tilt.xyz]
-    tree.output_vector("Weight", minimum(maximum(weight, 0.0), 1.0), tip="Of each lobe")
+        lean, most = scale(aside, tree.math("MULTIPLY_ADD", x, -m, m)), MOST_LEAN / maximum(x * length(aside), 0.01)
+        normals = [N - scale(lean, part) for part in minimum(g * tilt, most).xyz]
+    tree.output_vector("Weight", weight, tip="Of each lobe, not yet held to 0..1")
     tip = "How much narrower each lobe is within the plane of view: slope across times 1 - 0.9 of this"
     tree.output_vector("Anisotropy", minimum(maximum(scale(anisotropy, x * g), 0.0), 1.0), tip=tip)
-    tree.output_float("Across", across, tip="RMS slope across the plane of view, of all lobes")
+    tree.output_float("Across", widened, tip="RMS slope across the plane of view, of all lobes")
     for k in range(count()):
-        tree.output_vector(f"Normal {k + 1}", normals[k], tip="The lobe's own normal")
+        tree.output_vector(f"Normal {k + 1}", normals[k], tip="The lobe's own normal, not yet of length 1")
     tree.output_vector("Tangent", cross(N, wo), tip="Across the plane of view")
 
 
 def table(y: Value, n: Value, *functions: Sequence[Sequence[Number]]) -> list[Value]:
     """Each function's polynomial at (y, n)."""
     rows, columns = max(map(len, functions)), max(len(row) for rows in functions for row in rows)
-    T_y, T_n = chebyshev(y, rows - 1), chebyshev(n, columns - 1)
-    return [series2(of, T_y, T_n) for of in functions]
+    U_y, U_n = chebyshev(y, rows - 1), chebyshev(n, columns - 1)
+    return [series2(of, U_y[: len(of) - 1], U_n) for of in functions]
 
 
 def grazing(tree: Tree, m: Value, N: Value) -> tuple[Value, Value]:
@@ -131,15 +134,15 @@ def grazing(tree: Tree, m: Value, N: Value) -> tuple[Value, Value]:
         c = dot(N, wo)
         aside = wo - scale(N, c)
         ms = m * length(aside)
-        return ms / maximum(maximum(c, 0.0) + ms, 1e-20), aside
+        return ms / (maximum(c, 0.0) + ms), aside
 
 
 def clipped_share(tree: Tree, m: Value, N: Value, aside: Value) -> Value:
     """How far the polynomials count: little where the V-groove clips next to no facet."""
     with tree.frame("Share of facets that the V-groove clips"):
         c = maximum(dot(N, tree.geometry("Incoming")), 0.0)
-        steepest = c / (3.0**0.5 + (3.0 - 3.0**0.5) * length(aside)) / m
-        q = exp(-(steepest * steepest))
+        steepest = c / tree.math("MULTIPLY_ADD", length(aside), 3.0 - 3.0**0.5, 3.0**0.5)
+        q = exp(steepest * steepest * (-1.0 / (m * m)))
         return q / (q + HALF_CLIPPED)
 
 

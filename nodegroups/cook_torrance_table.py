@@ -23,10 +23,10 @@ def by_lobe(name: str) -> list[list[Vector]]:
     return [list(zip(*rows, strict=True)) for rows in zip(first, second, third, strict=True)]
 
 
-def shared(name: str) -> list[list[float]]:
-    """The same of a function that all lobes share."""
+def shared(name: str) -> list[list[Vector]]:
+    """The same of a function that all lobes share: in the first component."""
     (rows,) = table()[name]
-    return [[float(c) for c in row] for row in rows]
+    return [[(float(c), 0.0, 0.0) for c in row] for row in rows]
 
 
 def share() -> list[list[list[float]]]:
@@ -40,7 +40,7 @@ def header() -> str:
     for name in ("weight", "anisotropy", "tilt"):
         rows = [[f"vector({a:.9g}, {b:.9g}, {c:.9g})" for a, b, c in row] for row in by_lobe(name)]
         functions.append(series_text("vector", f"fit_{name}", rows))
-    rows = [[f"{c:.9g}" for c in row] for row in shared("across")]
+    rows = [[f"{c:.9g}" for c, *_ in row] for row in shared("across")]
     functions.append(series_text("float", "fit_across", rows))
     functions.append(share_text("fit_share_at", share()))
     numbers = {"LOBES": count(), "ALONE": ALONE, "HALF_CLIPPED": HALF_CLIPPED}

@@ -6,13 +6,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import cook_torrance_fit, ensure, smith_lobe
-from ._tree import Tree, Value, dot, less, normalize, select, tangents
+from ._tree import Tree, Value, clamp, dot, less, normalize, scale, select, tangents
 
 if TYPE_CHECKING:
     from ._tree import Number
 
 NAME = "VGroove Fit Mixture"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:
@@ -26,12 +26,13 @@ def build(tree: Tree) -> None:
         T = select(aside, normalize(mixture.tangent), tangents(N)[0])
     group = ensure(smith_lobe.NAME, smith_lobe.REVISION, smith_lobe.build)
     total: Number = 0.0
-    for lobe in mixture.lobes:
+    within = scale(mixture.aspect, mixture.across).xyz
+    for lobe, slope in zip(mixture.lobes, within, strict=False):
         node = tree.group(
-            group, To_Light=wi, To_Viewer=tree.geometry("Incoming"), h=h, Normal=lobe.normal, Tangent=T,
-            Across=mixture.across, Within=mixture.within(lobe),
+            group, To_Light=wi, To_Viewer=tree.geometry("Incoming"), h=h, Normal=normalize(lobe.normal), Tangent=T,
+            Across=mixture.across, Within=slope,
         )  # fmt: skip
-        total = lobe.weight * Value(tree, node.outputs["f cos"]) + total
+        total = clamp(lobe.weight) * Value(tree, node.outputs["f cos"]) + total
     tree.output_float("f cos", total, tip="In 1/sr")
 
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The three kinds of Fresnel term, by name, for the groups that hold one."""
+"""The kinds of Fresnel term, by name, for the groups that hold one."""
 
-from . import ensure, fresnel_conductor, fresnel_dielectric, schlick
+from . import ensure, f82, fresnel_conductor, fresnel_dielectric, schlick
 from ._tree import Tree, Value
 
-KINDS = {"schlick": schlick, "dielectric": fresnel_dielectric, "conductor": fresnel_conductor}
-LABELS = {"schlick": "Schlick", "dielectric": "Dielectric", "conductor": "Conductor"}
+KINDS = {"schlick": schlick, "dielectric": fresnel_dielectric, "conductor": fresnel_conductor, "f82": f82}
+LABELS = {"schlick": "Schlick", "dielectric": "Dielectric", "conductor": "Conductor", "f82": "F82"}
 
 
 def interface(tree: Tree, kind: str) -> dict[str, Value]:
-    """The inputs of Fresnel ``kind``: F0, or IOR, or n and k."""
+    """The inputs of Fresnel ``kind``: F0, or IOR, or n and k, or F0 and F82 Tint."""
     return KINDS[kind].interface(tree)
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..addon.reference.fresnel import F82_COSINE
 from . import glass
 from ._tree import Tree, clamp, dot, sqrt, vector
-from .cook_torrance_closure import F82_COSINE
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:

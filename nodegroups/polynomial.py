@@ -34,25 +34,40 @@ def horner2(rows: Sequence[Row], y: Value, n: Value) -> Value:
 
 
 def chebyshev(x: Value, degree: int) -> list[Value]:
-    """T_1 to T_degree at x; T_(k+1) = 2 x T_k - T_(k-1), T_0 = 1."""
+    """U_1 to U_degree at x, Chebyshev's polynomials T_k but for a sign: U_k = -T_k where k mod 4 is 2 or 3.
+
+    With it T_(k+1) = 2 x T_k - T_(k-1) needs one node a degree: U_(k+1) = -+2 x U_k + U_(k-1).
+    """
     twice = 2.0 * x
-    found = [x, x.tree.math("MULTIPLY_ADD", twice, x, -1.0)]
+    factors = (-twice, twice)
+    found = [x, x.tree.math("MULTIPLY_ADD", factors[0], x, 1.0)]
     while len(found) < degree:
-        found.append(twice * found[-1] - found[-2])
+        factor = factors[(len(found) + 1) % 2]
+        found.append(x.tree.math("MULTIPLY_ADD", factor, found[-1], found[-2]))
     return found[:degree]
 
 
-def series(coefficients: Sequence[Number], T: Sequence[Value]) -> Value:
-    """Sum of c_k T_k, T from T_1 on."""
+def of_signs(rows: Sequence[Sequence[Number]]) -> list[list[Number]]:
+    """c_jk T_j(y) T_k(n) as coefficients of U_j(y) U_k(n)."""
+    sign = (1.0, 1.0, -1.0, -1.0)
+
+    def turned(c: Number, by: float) -> Number:
+        return tuple(by * part for part in c) if isinstance(c, tuple) else by * c  # type: ignore[return-value]
+
+    return [[turned(c, sign[j % 4] * sign[k % 4]) for k, c in enumerate(row)] for j, row in enumerate(rows)]
+
+
+def series(coefficients: Sequence[Number], U: Sequence[Value]) -> Value:
+    """Sum of c_k U_k, U from U_1 on."""
     result, *rest = coefficients
-    for number, of in zip(rest, T, strict=True):
+    for number, of in zip(rest, U, strict=True):
         result = of.tree.math("MULTIPLY_ADD", number, of, result)
     return result  # type: ignore[return-value]  # a Value once a term is added
 
 
-def series2(rows: Sequence[Row], T_y: Sequence[Value], T_n: Sequence[Value]) -> Value:
+def series2(rows: Sequence[Row], U_y: Sequence[Value], U_n: Sequence[Value]) -> Value:
     """Sum of c_jk T_j(y) T_k(n); what depends on n alone comes first, for Cycles to fold it where n is constant."""
-    return series([series(row, T_n) for row in rows], T_y)
+    return series([series(row, U_n) for row in of_signs(rows)], U_y)
 
 
 def share(rows: Sequence[Sequence[Row]], y: Value, n: Value, bound: Value) -> Value:

@@ -118,7 +118,7 @@ def test_an_error_of_one_percent_in_the_slope_or_weight_turns_mirror_red(blender
 
 
 @pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[2]], ids=str)
-@pytest.mark.parametrize("fresnel", ["schlick", "dielectric", "conductor"])
+@pytest.mark.parametrize("fresnel", ["schlick", "dielectric", "conductor", "f82"])
 @pytest.mark.parametrize("m", [1e-4, 1e-3, 0.3, 10.0])
 @pytest.mark.parametrize("theta_i", [0.0, 89.99])
 def test_direct_stays_finite_and_not_negative(instrument, setup, fresnel, m, theta_i):

@@ -8,7 +8,8 @@ import pytest
 from scipy import stats
 
 from vgroove import nodegroups
-from vgroove.addon import check, check_glass, gonio, headless
+from vgroove.addon import check, check_glass, gonio, headless, material
+from vgroove.addon.presets import parse
 from vgroove.addon.reference import fresnel_dielectric
 from vgroove.addon.reference.glass import pane
 from vgroove.nodegroups import glass, glass_closure, glass_mirror, osl_script, random_numbers
@@ -215,3 +216,44 @@ def test_glass_shaders_have_the_groups_ranges_and_defaults(blender, module, tmp_
         assert metadata["label"] == label
         if item.socket_type == "NodeSocketFloat":
             assert (metadata["min"], metadata["max"]) == pytest.approx((item.min_value, item.max_value))
+
+
+AMBER = 'name = "Amber"\nmodel = "glass"\nm = 0.0\neta = 1.5\nabsorption = [0.5, 2.0, 6.0]\n[source]\ndata = "test"\n'
+
+
+@pytest.mark.parametrize("backend", material.BACKENDS)
+@pytest.mark.parametrize("depth", [0.1, 0.5])
+def test_a_body_absorbs_by_the_way_through_it(blender, backend, depth):
+    """Straight through a slab: (1 - F)^2 exp(-a d), and what is reflected inside twice, over white light."""
+    with headless.quiet(), gonio.stage((8, 8), samples=16, seed=0, shading_osl=backend == "osl") as stage:
+        gonio.light(stage, gonio.Geometry(furnace=True))
+        stage.cycles.max_bounces = stage.cycles.transmission_bounces = stage.cycles.glossy_bounces = 12
+        made = material.build(parse(AMBER, "a/amber", "a/amber"), material.Choice(backend, "mirror"))
+        blender.ops.mesh.primitive_cube_add(size=1.0, scale=(50.0, 50.0, depth))
+        slab = blender.context.object
+        blender.context.collection.objects.unlink(slab)
+        stage.collection.objects.link(slab)
+        slab.data.materials.append(made)
+        camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+        camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 0.1, (0.1, 0.2, 3.0)
+        stage.collection.objects.link(camera)
+        stage.camera = camera
+        image = gonio.rendered(stage).astype(float).mean(axis=(0, 1))
+    F, T = 0.04, np.exp(-np.array([0.5, 2.0, 6.0]) * depth)
+    # All orders: reflected F + (1-F)^2 F T^2 / (1 - F^2 T^2), passed (1-F)^2 T / (1 - F^2 T^2), both of white light.
+    expected = F + (1 - F) ** 2 * (F * T**2 + T) / (1 - F**2 * T**2)
+    # A choice between reflection and refraction at each face leaves noise: 1024 paths, each 0 to 1 by F (1 - F).
+    assert image == pytest.approx(expected, abs=4 * np.sqrt(F * (1 - F) / 1024))
+    assert np.abs(image - 1.0).max() > 0.3
+
+
+def test_what_absorbs_nothing_has_no_volume(blender):
+    """Nor has a sheet; and an artist's absorption is read back."""
+    amber = parse(AMBER, "a/amber", "a/amber")
+    for preset in (amber.with_parameters(absorption=(0, 0, 0)), parse('kind = "thin"\n' + AMBER, "a/b", "a/b")):
+        made = material.build(preset, material.Choice("nodes", "mirror"))
+        assert not any(node.label == material.ABSORPTION for node in made.node_tree.nodes)
+    made = material.build(amber, material.Choice("nodes", "mirror"))
+    node = next(node for node in made.node_tree.nodes if node.label == material.ABSORPTION)
+    node.inputs[0].default_value = (1.0, 2.0, 3.0, 1.0)
+    assert material.origin_of(made).preset.parameters["absorption"] == (1.0, 2.0, 3.0)

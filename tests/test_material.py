@@ -13,7 +13,7 @@ from vgroove.nodegroups import lamp
 
 pytestmark = pytest.mark.blender
 
-FRESNELS = ("schlick", "dielectric", "conductor")
+FRESNELS = ("schlick", "dielectric", "conductor", "f82")
 CHOICES = [Choice(backend, estimator) for backend in material.BACKENDS for estimator in material.ESTIMATORS]
 
 
@@ -193,12 +193,12 @@ def test_glass_and_rough_surfaces_build_by_every_estimator_that_they_have(blende
         made = build(preset, choice)
         assert build(preset, choice) is made
         node = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
-        assert ("Slope m" in node.inputs) == (preset.m > 0)
+        assert any(socket.name.endswith("Slope m") for socket in node.inputs) == (preset.m > 0)
         for key, value in preset.parameters.items():
-            if material.SOCKETS[key] in node.inputs:
-                socket = node.inputs[material.SOCKETS[key]]
+            if material.socket_name(key) in node.inputs:
+                socket = node.inputs[material.socket_name(key)]
                 got = tuple(socket.default_value)[:3] if isinstance(value, tuple) else socket.default_value
-                assert got == pytest.approx(value, rel=1e-7)
+                assert got == pytest.approx(value, rel=1e-6)  # float32
     for estimator in set(material.ESTIMATORS) - set(material.BUILDERS[preset.model]):
         with pytest.raises(MaterialError, match=f'which has no estimator "{estimator}"; use one of'):
             build(preset, Choice(backend, estimator))
@@ -223,7 +223,7 @@ def test_every_model_renders_finite_light_by_what_auto_picks(blender, preset):
         image = gonio.rendered(stage)
     assert np.isfinite(image).all()
     assert image.min() >= 0.0
-    assert image.mean() > 0.05
+    assert image.mean() > 0.01
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda c: f"{c.backend}-{c.estimator}")

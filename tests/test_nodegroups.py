@@ -11,6 +11,7 @@ from vgroove import nodegroups
 from vgroove.addon import gonio, headless
 from vgroove.addon.reference import (
     beckmann_d,
+    f82,
     fresnel_conductor,
     fresnel_dielectric,
     schlick,
@@ -71,6 +72,10 @@ def test_fresnel_groups_give_the_reference_value(group_value, cosine):
     f0 = np.float64(np.float32([0.04, 0.5, 0.95]))
     # About 6 float32 operations of 6e-8, doubled for the fifth power.
     np.testing.assert_allclose(group_value(fresnel.KINDS["schlick"], "F", F0=f0, Cosine=c), schlick(c, f0), rtol=1e-6)
+    tint = np.float64(np.float32([0.6, 0.9, 1.0]))
+    # Of b and the powers about 12 operations more, on what is at most 1.
+    got = group_value(fresnel.KINDS["f82"], "F", F0=f0, F82_Tint=tint, Cosine=c)
+    np.testing.assert_allclose(got, f82(c, f0, tint), rtol=2e-6, atol=1e-6)
     for eta in np.float64(np.float32([0.6, 1.1, 1.5, 2.4])):
         got = group_value(fresnel.KINDS["dielectric"], "F", IOR=eta, Cosine=c)
         # g - c rounds by 2^-24 (g + c), which counts (g + c)/(g - c) times, squared in F.

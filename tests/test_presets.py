@@ -45,7 +45,11 @@ def test_the_lecture_table_is_kept_to_the_digit(name, f0):
         ("m = 0.3", "m = 0.3\nsorce = 1", 'x.toml: unknown key "sorce"; did you mean "source"?'),
         ("0.9,", "1.1,", "x.toml: f0 must be between 0 and 1, got 1.1"),
         ("[0.9, 0.6, 0.5]", "[0.9, 0.6]", "x.toml: f0 must be one number or three"),
-        ("f0 = [0.9, 0.6, 0.5]", "n = 1", r"x.toml: \[fresnel\] must hold f0, or eta, or n and k; got n"),
+        (
+            "f0 = [0.9, 0.6, 0.5]",
+            "n = 1",
+            r"x.toml: \[fresnel\] must hold f0, or f0 and f82_tint, or eta, or n and k; got n",
+        ),
         ("f0 = [0.9, 0.6, 0.5]", "", r"x.toml: \[fresnel\] must hold .*got nothing"),
         ("f0 = [0.9, 0.6, 0.5]", "eta = 0.01", "x.toml: eta must be between 0.1 and 10, got 0.01"),
         ("cook_torrance", "phong", 'x.toml: unknown model "phong"; use one of cook_torrance'),

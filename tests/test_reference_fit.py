@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from vgroove.addon.reference import (
+    F82,
     Dielectric,
     Schlick,
     cook_torrance,
@@ -130,7 +131,14 @@ def test_extremes_are_finite(m):
     assert (f >= 0).all()
 
 
-FRESNELS = (Schlick(1.0), Schlick(0.02), Schlick((0.95, 0.64, 0.54)), Dielectric(1.33), Dielectric(1.5))
+FRESNELS = (
+    Schlick(1.0),
+    Schlick(0.02),
+    Schlick((0.95, 0.64, 0.54)),
+    F82((0.95, 0.64, 0.54), (0.3, 0.6, 0.9)),
+    Dielectric(1.33),
+    Dielectric(1.5),
+)
 
 
 @pytest.mark.parametrize("m", [0.03, 0.13, 0.27, 0.44, 0.66, 0.87, 1.0])

@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from vgroove.addon.reference import (
+    F82,
     Conductor,
     CookTorrance,
     Dielectric,
@@ -22,6 +23,7 @@ from vgroove.addon.reference import (
     albedo,
     beckmann_d,
     cook_torrance,
+    f82,
     fresnel_conductor,
     fresnel_dielectric,
     oren_nayar,
@@ -201,11 +203,14 @@ def test_oren_nayar_full_fit_is_cut_where_it_is_negative():
 COSINES = np.array([0.0, 1e-300, 1e-8, 1e-3, 0.1, 0.3, 0.5, 0.7, 0.9, 1 - 1e-9, 1.0])
 
 
-@given(cos=st.floats(0.0, 1.0), n=st.floats(0.0, 20.0), k=st.floats(0.0, 20.0), f0=st.floats(0.0, 1.0))
+@given(
+    cos=st.floats(0.0, 1.0), n=st.floats(0.0, 20.0), k=st.floats(0.0, 20.0), f0=st.floats(0.0, 1.0),
+    tint=st.floats(0.0, 1.0),
+)  # fmt: skip
 @thorough
-def test_fresnel_lies_between_0_and_1(cos, n, k, f0):
-    """All three, for any medium."""
-    values = [schlick(cos, f0)]
+def test_fresnel_lies_between_0_and_1(cos, n, k, f0, tint):
+    """All forms, for any medium."""
+    values = [schlick(cos, f0), f82(cos, f0, tint)]
     if n > 1e-50:
         values.append(fresnel_dielectric(cos, n))
     if n > 0 or k > 0:
@@ -272,10 +277,22 @@ def test_schlick_ends_at_f0_and_1():
     assert (np.diff(F, axis=0) <= 0).all()
 
 
+def test_f82_is_schlick_but_for_the_tint_at_82_degrees():
+    """White leaves Schlick's formula; else head-on and grazing stay, and at cos = 1/7 it is multiplied by the tint."""
+    f0, tint = np.array([0.02, 0.5, 0.95]), np.array([0.4, 0.8, 1.0])
+    assert (f82(COSINES[:, None], f0, 1.0) == schlick(COSINES[:, None], f0)).all()
+    assert f82(1.0, f0, tint).tolist() == f0.tolist()
+    assert f82(0.0, f0, tint).tolist() == [1.0] * 3
+    np.testing.assert_allclose(f82(1 / 7, f0, tint), tint * schlick(1 / 7, f0), rtol=1e-14)
+    with pytest.raises(ValueError, match="tint"):
+        f82(0.5, 0.5, 1.1)
+
+
 @pytest.mark.parametrize(
     ("one", "colour"),
     [
         (Schlick(0.3), Schlick((0.3, 0.3, 0.3))),
+        (F82(0.3, 0.8), F82((0.3, 0.3, 0.3), 0.8)),
         (Dielectric(1.5), Dielectric((1.5, 1.5, 1.5))),
         (Conductor(0.2, 3.9), Conductor((0.2, 0.2, 0.2), 3.9)),
         (Conductor(0.2, 3.9), Conductor(0.2, (3.9, 3.9, 3.9))),

@@ -70,6 +70,17 @@ def test_what_cannot_be_coupled_is_refused(old, new, message):
         parse(text.replace(old, new), "a/sum", "a/sum.toml")
 
 
+@pytest.mark.parametrize(
+    ("fresnel", "message"),
+    [("eta = 3.1", "eta from 1 to 3, got 3.1"), ("eta = 0.9", "got 0.9"), ("f0 = 0.3", "f0 of at most 0.25")],
+)
+def test_a_coupled_sum_is_refused_beyond_what_its_albedo_was_fitted_for(fresnel, message):
+    """There more light could leave than arrives."""
+    text = re.sub(r"\[fresnel\]\n.*", f"[fresnel]\n{fresnel}", TEXT.replace("d = 0.6", "coupled = true\nd = 0.9"))
+    with pytest.raises(PresetError, match=message):
+        parse(text, "a/sum", "a/sum.toml")
+
+
 def test_coupled_weights_may_exceed_one():
     """As the diffuse part gets only what the specular one leaves."""
     text = TEXT.replace("d = 0.6", "coupled = true\nd = 0.9").replace("s = 0.4", "s = 1.0")
@@ -89,13 +100,15 @@ def test_three_facets_give_the_albedo(eta):
     np.testing.assert_allclose(quick_albedo(wo, 0.0, Dielectric(eta)), Dielectric(eta)(wo[:, 2]), atol=0.003)
 
 
+@pytest.mark.parametrize("fresnel", [Dielectric(1.5), Dielectric(3.0), Schlick(0.02), Schlick(0.25)], ids=repr)
 @pytest.mark.parametrize("m", [0.05, 0.3, 1.0])
-def test_coupled_sums_as_shaders_have_them_send_back_no_more_than_arrives(m):
-    """With E_s from three facets, for the brightest base that presets may have."""
-    model = Sum(OrenNayar(0.95, 0.5), CookTorrance(m, Dielectric(1.5)), 1.0, 1.0, coupled=True)
+def test_coupled_sums_as_shaders_have_them_send_back_no_more_than_arrives(m, fresnel):
+    """With E_s from three facets, for the brightest bases and the strongest specular parts that presets may have."""
     wo = spherical(np.radians([0.0, 30.0, 60.0, 75.0, 85.0, 89.0]))
-    share = quick_diffuse_share(model, wo)
-    assert np.max(share * albedo(model.diffuse, wo) + albedo(model.specular, wo)) <= 1.0
+    for sigma in (0.0, 0.2, 0.5):
+        model = Sum(OrenNayar(0.95, sigma), CookTorrance(m, fresnel), 1.0, 1.0, coupled=True)
+        share = quick_diffuse_share(model, wo)
+        assert np.max(share * albedo(model.diffuse, wo) + albedo(model.specular, wo)) <= 1.0
 
 
 def test_only_rough_or_smooth_reflection_can_be_coupled_in_shaders():

@@ -7,17 +7,30 @@ without the cosine.
 """
 
 from . import cook_torrance_fit, oren_nayar_fit
+from .car_paint import CarPaint
 from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
 from .directions import reflect, spherical
 from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
 from .estimators import rendered
-from .fresnel import Conductor, Dielectric, Fresnel, Schlick, fresnel_conductor, fresnel_dielectric, schlick
+from .fresnel import (
+    F82,
+    Conductor,
+    Dielectric,
+    Fresnel,
+    Schlick,
+    f82,
+    fresnel_conductor,
+    fresnel_dielectric,
+    schlick,
+)
 from .glass import Glass, Pane, fresnel_transmittance, glass_btdf, refract
 from .model import Model, albedo
 from .oren_nayar import Lambert, OrenNayar, oren_nayar
 from .sum import Sum
 
 __all__ = [
+    "F82",
+    "CarPaint",
     "Conductor",
     "CookTorrance",
     "Dielectric",
@@ -34,6 +47,7 @@ __all__ = [
     "beckmann_d",
     "cook_torrance",
     "cook_torrance_fit",
+    "f82",
     "fresnel_conductor",
     "fresnel_dielectric",
     "fresnel_transmittance",

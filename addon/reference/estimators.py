@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .car_paint import CarPaint
 from .cook_torrance import CookTorrance, Smooth, cook_torrance
 from .cook_torrance_albedo import quick_albedo
 from .cook_torrance_fit import cook_torrance_fit, cook_torrance_hybrid
@@ -33,6 +34,9 @@ def rendered(model: Model, estimator: str, bound: float = DEFAULT_BOUND) -> Brdf
     """
     if isinstance(model, Sum):
         return _sum(model, *(rendered(part, estimator, bound) for part in (model.diffuse, model.specular)))
+    if isinstance(model, CarPaint):
+        base, *lobes = (rendered(part, estimator, bound) for part in (model.base, *model.lobes))
+        return lambda wi, wo: base(wi, wo) + sum(s * lobe(wi, wo) for s, lobe in zip(model.s, lobes, strict=True))
     if isinstance(model, CookTorrance):
         return _cook_torrance(model, estimator, bound)
     if isinstance(model, OrenNayar):

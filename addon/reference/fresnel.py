@@ -8,6 +8,7 @@ Sources:
     Cook & Torrance 1982, doi:10.1145/357290.357293 (the dielectric form in g and c)
     Born & Wolf, Principles of Optics, 7th ed., sections 1.5.2 and 14.2
     Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering, CGF 13(3), eq. 15
+    Kutz, Hasan & Edmondson 2021, Novel Aspects of the Adobe Standard Material (the F82-tint form)
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from .directions import Floats
 
 INDEX_RANGE = (1e-50, 1e50)  # squares of an index stay inside float64
+F82_COSINE = 1.0 / 7.0  # 81.8 degrees, where Schlick's formula and F82's correction of it part most
 
 
 def schlick(cos: ArrayLike, f0: ArrayLike) -> Floats:
@@ -40,6 +42,23 @@ def schlick(cos: ArrayLike, f0: ArrayLike) -> Floats:
     """
     cos, f0 = _with_channels(as_cosine(cos), as_range(f0, "f0", 0.0, 1.0))
     return f0 + (1.0 - f0) * (1.0 - cos) ** 5
+
+
+def f82(cos: ArrayLike, f0: ArrayLike, tint: ArrayLike) -> Floats:
+    """Schlick's formula, corrected so that it is multiplied by ``tint`` at cos = 1/7 (82 degrees).
+
+    F = S(cos) - b cos (1 - cos)^6, b = S(1/7) (1 - tint) / (1/7 (1 - 1/7)^6), S Schlick's formula. Not below 0.
+
+    cos: v.h, clipped to [0, 1]. f0, tint: in [0, 1], scalar or RGB. Raises ValueError outside.
+    Source: Kutz, Hasan & Edmondson 2021, Novel Aspects of the Adobe Standard Material.
+
+    >>> round(float(f82(1.0 / 7.0, 0.5, 0.8) / schlick(1.0 / 7.0, 0.5)), 15)
+    0.8
+    """
+    f0, tint = as_range(f0, "f0", 0.0, 1.0), as_range(tint, "tint", 0.0, 1.0)
+    b = schlick(F82_COSINE, f0) * (1.0 - tint) / (F82_COSINE * (1.0 - F82_COSINE) ** 6)
+    c, b = _with_channels(as_cosine(cos), b)
+    return np.maximum(schlick(cos, f0) - b * c * (1.0 - c) ** 6, 0.0)
 
 
 def fresnel_dielectric(cos: ArrayLike, eta: ArrayLike) -> Floats:
@@ -131,6 +150,25 @@ class Schlick:
 
     def __call__(self, cos: ArrayLike) -> Floats:
         return _as_rgb_reflectance(schlick, cos, self.f0)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        return ()
+
+
+@dataclass(frozen=True)
+class F82:
+    """F of the F82-tint form from ``f0`` and ``tint``, each in [0, 1], one number or linear RGB."""
+
+    f0: ArrayLike
+    tint: ArrayLike
+
+    def __post_init__(self) -> None:
+        as_rgb(self.f0, "f0", 0.0, 1.0)
+        as_rgb(self.tint, "tint", 0.0, 1.0)
+
+    def __call__(self, cos: ArrayLike) -> Floats:
+        return _as_rgb_reflectance(f82, cos, self.f0, self.tint)
 
     @property
     def kinks(self) -> tuple[float, ...]:

@@ -85,13 +85,13 @@ def chosen(shown: bpy.types.Scene) -> scene.Pick:
     if shown.vgroove.estimator != "auto":
         return scene.Pick(shown.vgroove.estimator, "")
     preset = presets.find(shown.vgroove.preset)
-    return scene.pick(shown, preset.m, preset.model)
+    return scene.pick(shown, preset.m, preset.model, shown.vgroove.backend)
 
 
 def current_problems(shown: bpy.types.Scene) -> list[scene.Problem]:
     """What is wrong with the scene for the panel's choices."""
     preset = presets.find(shown.vgroove.preset)
-    return scene.problems(shown, shown.vgroove.backend, chosen_estimator(shown), preset.m, preset.model)
+    return scene.problems_with(shown, preset, shown.vgroove.backend, chosen_estimator(shown))
 
 
 CLASSES = (VGROOVE_OT_apply, VGROOVE_OT_mend)

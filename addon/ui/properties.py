@@ -29,7 +29,7 @@ ESTIMATORS = (
     (
         "closure",
         "Closure",
-        "Cycles' own closure: every light, least noise, but Smith's shadowing in place of the V-groove's",
+        "Cycles' own closure: every light, least noise, but another model: Smith's shadowing, Fujii's rough diffuse",
         1,
     ),
     (

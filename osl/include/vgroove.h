@@ -33,6 +33,14 @@ color schlick(float cosine, color f0)
     return f0 + (1 - f0) * (x2 * x2 * x);
 }
 
+// Kutz, Hasan & Edmondson 2021: Schlick's formula, multiplied by tint where the cosine is 1/7
+color f82(float cosine, color f0, color tint)
+{
+    float at = 1.0 / 7, c = clamp(cosine, 0, 1), x = 1 - c, x2 = x * x;
+    color b = schlick(at, f0) * (1 - tint) / (at * pow(1 - at, 6));
+    return max(schlick(c, f0) - b * (c * x2 * x2 * x2), color(0));
+}
+
 // Cook & Torrance 1982; g = 0 in total internal reflection, which gives 1
 float fresnel_dielectric(float cosine, float eta)
 {
@@ -61,20 +69,24 @@ color fresnel_conductor(float cosine, color n, color k)
     return 0.5 * (rs + rp);
 }
 
-// kind: 0 Schlick (f0), 1 dielectric (eta), 2 conductor (n, k); constant, so the compiler keeps one branch
-color fresnel(int kind, float cosine, color f0, float eta, color n, color k)
+// kind: 0 Schlick (f0), 1 dielectric (eta), 2 conductor (n, k), 3 F82 (f0, f82_tint); constant, so the compiler keeps
+// one branch
+color fresnel(int kind, float cosine, color f0, color f82_tint, float eta, color n, color k)
 {
     if (kind == 0) return schlick(cosine, f0);
     if (kind == 1) return color(fresnel_dielectric(cosine, eta));
+    if (kind == 3) return f82(cosine, f0, f82_tint);
     return fresnel_conductor(cosine, n, k);
 }
 
 // Cycles' Beckmann lobe with slope at along T and ab across it
-closure color native_lobe(int kind, normal Normal, vector T, float at, float ab, color f0, float eta, color n, color k)
+closure color native_lobe(
+    int kind, normal Normal, vector T, float at, float ab, color f0, color f82_tint, float eta, color n, color k)
 {
     if (kind == 0)
         return generalized_schlick_bsdf(Normal, T, color(1), color(0), at, ab, f0, color(1), 5.0, "beckmann");
     if (kind == 1) return dielectric_bsdf(Normal, T, color(1), color(0), at, ab, eta, "beckmann");
+    if (kind == 3) return microfacet_f82_tint("beckmann", Normal, T, at, ab, f0, f82_tint);
     return conductor_bsdf(Normal, T, at, ab, n, k, "beckmann");
 }
 

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A diffuse base under several Cook-Torrance lobes, as measured car paints are fitted: f = f_base + sum of s_k f_k.
+
+Every lobe is the same nested group, with inputs of its own in a panel; the normal and the lamps are asked for once.
+Source: Günther, Chen, Goesele, Wald & Seidel 2005; ``CarPaint`` of the reference.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import bpy
+
+    from ._tree import Tree
+
+NAME = "VGroove Car Paint"
+REVISION = 1
+OWN = {"F0", "F82 Tint", "Slope m"}  # inputs that each lobe has for itself
+
+
+def build(tree: Tree, base: bpy.types.ShaderNodeTree, lobe: bpy.types.ShaderNodeTree, lobes: int) -> None:
+    """``base`` and ``lobe``: the groups of the parts, by the same estimator and backend."""
+    tree.inputs_of(base)
+    shaders = [nested(tree, base, "").outputs[0]]
+    for k in range(1, lobes + 1):
+        prefix = f"Lobe {k} "
+        with tree.panel(f"Lobe {k}"):
+            tip = (
+                "Share of this lobe; with the brightest of Base Color all at most 1, or more light leaves than arrives"
+            )
+            s = tree.input_float(f"{prefix}Specular", 0.1, low=0.0, high=1.0, subtype="FACTOR", tip=tip)
+            tree.inputs_of(lobe, prefix, OWN)
+        with tree.frame(f"Lobe {k}"):
+            shaders.append(tree.weighted(nested(tree, lobe, prefix).outputs[0], s))
+    tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
+
+
+def nested(tree: Tree, group: bpy.types.ShaderNodeTree, prefix: str) -> bpy.types.Node:
+    """A use of ``group``, fed from the inputs made for it."""
+    node = tree.node("ShaderNodeGroup", node_tree=group, label=group.name)
+    for socket in node.inputs:
+        tree.connect(tree.given((prefix if socket.name in OWN else "") + socket.name), socket)
+    return node

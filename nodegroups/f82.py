@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fresnel reflectance in the F82-tint form: Schlick's formula, multiplied by a tint at 82 degrees, per colour channel.
+
+F = S(cos) - b cos (1 - cos)^6, b = S(1/7) (1 - tint) / (1/7 (1 - 1/7)^6). Source: Kutz, Hasan & Edmondson 2021.
+"""
+
+from ..addon.reference.fresnel import F82_COSINE
+from . import ensure, schlick
+from ._tree import Tree, Value, clamp, maximum
+
+NAME = "VGroove F82"
+REVISION = 1
+
+
+def interface(tree: Tree) -> dict[str, Value]:
+    """The artist's inputs, by the reference's parameter names."""
+    tip = "Multiplies Schlick's formula at 82 degrees, near grazing; white leaves it as it is"
+    return {**schlick.interface(tree), "f82_tint": tree.input_color("F82 Tint", (1.0, 1.0, 1.0), tip=tip)}
+
+
+def build(tree: Tree) -> None:
+    f0, tint = interface(tree).values()
+    cosine = clamp(tree.input_float("Cosine", 1.0, low=0.0, high=1.0, tip="wo . h, view against half vector"))
+    with tree.frame("b cos (1 - cos)^6"):
+        b = _schlick(tree, f0, F82_COSINE) * (1.0 - tint) / (F82_COSINE * (1.0 - F82_COSINE) ** 6)
+        dip = b * (cosine * (1.0 - cosine) ** 6)
+    tree.output_color("F", maximum(_schlick(tree, f0, cosine) - dip, 0.0), tip="Fresnel reflectance")
+
+
+def _schlick(tree: Tree, f0: Value, cosine: Value | float) -> Value:
+    node = tree.group(ensure(schlick.NAME, schlick.REVISION, schlick.build), F0=f0, Cosine=cosine)
+    return Value(tree, node.outputs["F"])

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A translucent body under a coat of V-grooves: light that the coat lets in is scattered below the surface.
+
+The body is Cycles' own subsurface closure, the same for every estimator; its weight is 1 - E, E the coat's directional
+albedo, so that what is mirrored cannot be scattered as well. Cycles takes a mean free path of Radius / (4 pi) and finds
+the scattering that gives a deep, evenly lit body the wanted diffuse reflectance.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING
+
+from . import cook_torrance, cook_torrance_albedo
+from .shading_normal import shading_normal
+
+if TYPE_CHECKING:
+    import bpy
+
+    from ._tree import Tree
+
+NAME = "VGroove Translucent"
+REVISION = 1
+
+
+def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str) -> None:
+    """``coat``: the group of the coat by the estimator; ``kind``: of its Fresnel term."""
+    tip = "Diffuse reflectance: what a large, evenly lit body sends back of the light that enters it"
+    color = tree.input_color("Reflectance", (0.8, 0.8, 0.8), tip=tip)
+    tip = "Of red, green and blue light, in metres: how far it goes between two turns"
+    path = tree.input_vector("Mean Free Path", (1e-3, 1e-3, 1e-3), low=0.0, high=10.0, tip=tip)
+    tree.inputs_of(coat)
+    inputs = cook_torrance.given(tree, kind)
+    E = cook_torrance_albedo.directional_albedo(tree, kind, inputs, shading_normal(tree, inputs.normal))
+    with tree.frame("Below the surface"):
+        body = tree.node("ShaderNodeSubsurfaceScattering", falloff="RANDOM_WALK")
+        tree.connect(color, body.inputs["Color"])
+        tree.connect(path * (4.0 * pi, 4.0 * pi, 4.0 * pi), body.inputs["Radius"])
+        tree.connect(1.0, body.inputs["Scale"])
+        tree.connect(inputs.normal, body.inputs["Normal"])
+        below = tree.weighted(body.outputs[0], 1.0 - E)
+    with tree.frame(coat.name):
+        node = tree.node("ShaderNodeGroup", node_tree=coat, label=coat.name)
+        for socket in node.inputs:
+            tree.connect(tree.given(socket.name), socket)
+    tree.output_shader("BSDF", tree.add_shaders([below, node.outputs[0]]), tip="To the material's Surface")
