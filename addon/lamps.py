@@ -91,7 +91,11 @@ def rendered(scene: bpy.types.Scene) -> set[Object]:
 
     A view layer's own list of objects is of its last update, which may be long ago.
     """
-    roots = [layer.layer_collection for layer in scene.view_layers if layer.use]
+    layers = [layer for layer in scene.view_layers if layer.use]
+    for layer in layers:
+        if layer.layer_collection is None:  # of a scene that no window has shown
+            layer.update()
+    roots = [layer.layer_collection for layer in layers]
     return {item for root in roots for item in _inside(root)}
 
 

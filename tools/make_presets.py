@@ -8,15 +8,15 @@ python tools/make_presets.py --write    writes them
 from __future__ import annotations
 
 import argparse
-import csv
+import re
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from optical_constants import ABSORBING, AT, Constants, absorption, constants, effective, reflectance, table, targets
 
 from vgroove.addon.presets import FOLDER
-from vgroove.addon.reference import Dielectric, schlick
+from vgroove.addon.reference import Conductor, Dielectric, schlick
 from vgroove.addon.reference.fresnel import F82_COSINE
 
 if TYPE_CHECKING:
@@ -24,14 +24,55 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-DATA = Path(__file__).parent / "data"
+LOOK = "m is a look"
+M_METAL, RANGE_METAL = 0.15, (0.0, 0.6)
+M_PLASTIC, RANGE_PLASTIC = 0.15, (0.0, 0.5)
+# m of a finish, and slopes that still look like it: all chosen by eye
+FINISHES = {
+    "polished": (0.02, (0.0, 0.05)),
+    "satin": (0.15, (0.1, 0.2)),
+    "brushed": (0.25, (0.2, 0.35)),
+    "sandblasted": (0.5, (0.35, 0.8)),
+}
+FINISHED = ["aluminium", "brass", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium"]
+FINISHED += ["stainless steel", "purple gold AuAl2"]
+TAGS = {
+    "metals": ["metal"],
+    "metals_by_source": ["metal"],
+    "alloys": ["metal", "alloy"],
+    "semiconductors": ["semiconductor"],
+    "glasses": ["transparent", "glass"],
+    "crystals": ["transparent", "crystal"],
+    "gems": ["transparent", "gem"],
+    "liquids": ["transparent", "liquid"],
+    "plastics": ["transparent", "plastic"],
+}
+MORE_TAGS = {  # of materials whose name has the word
+    "film": ["film"],
+    "soot": ["carbon", "black"],
+    "graphite": ["carbon"],
+    "carbon": ["carbon"],
+    "diamond": ["carbon"],
+    "Fe2O3": ["mineral"],
+    "Fe3O4": ["mineral"],
+    "MoS2": ["mineral"],
+    "nitride": ["ceramic"],
+    "carbide": ["ceramic"],
+    "steel": ["steel"],
+    "gold": ["gold"],
+    "water": ["water"],
+    "ice": ["water"],
+    "silk": ["fibre"],
+    "rubber": ["rubber"],
+    "oil": ["oil"],
+}
+NOTES = {
+    "blood (whole)": "The index alone: blood looks red by what scatters and absorbs in it, which glass leaves out.",
+    "silk (Bombyx mori)": "The index of the fibre's substance, not of cloth.",
+    "cellulose": "The index of the fibre's substance, not of paper.",
+    "liquid argon 90 K": "At 90 K, where it is liquid.",
+}
 HEAD = "# SPDX-License-Identifier: GPL-3.0-or-later\n# Made by tools/make_presets.py\n"
-
-
-def table(name: str) -> list[dict[str, str]]:
-    """Rows of tools/data/NAME.csv; lines that start with # are comments."""
-    text = (DATA / f"{name}.csv").read_text(encoding="utf-8")
-    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
 
 
 def rgb(row: dict[str, str], key: str) -> NDArray[np.float64]:
@@ -40,6 +81,8 @@ def rgb(row: dict[str, str], key: str) -> NDArray[np.float64]:
 
 def number(value: object) -> str:
     """A TOML value: numbers to six digits."""
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(value, (list, tuple, np.ndarray)):
@@ -56,6 +99,123 @@ def toml(values: dict[str, object], **tables: dict[str, object] | list[dict[str,
             lines += ["", f"[[{name}]]" if isinstance(content, list) else f"[{name}]"]
             lines += [f"{key} = {number(value)}" for key, value in one.items()]
     return HEAD + "\n".join(lines) + "\n"
+
+
+def identity_of(family: str, material: str) -> str:
+    return f"{family}/" + re.sub(r"[^a-z0-9]+", "_", material.lower()).strip("_")
+
+
+def title(material: str) -> str:
+    """Words of small letters get a capital; n-butanol and the like stay."""
+    return re.sub(r"(?<![\w-])([a-z])([a-z]+)(?!\w)", lambda word: word[1].upper() + word[2], material, flags=re.ASCII)
+
+
+def described(family: str, material: str, model: str, extra: tuple[str, ...] = ()) -> dict[str, object]:
+    """What opens each file: name, model, tags, notes."""
+    tags = [*TAGS[family], *extra]
+    tags += [tag for word, more in MORE_TAGS.items() if word in re.split(r"[^A-Za-z0-9]+", material) for tag in more]
+    notes = {"notes": NOTES[material]} if material in NOTES else {}
+    return {"name": title(material), "model": model, "tags": list(dict.fromkeys(tags)), **notes}
+
+
+def cited(material: Constants, trust: str) -> dict[str, object]:
+    reference = material.reference.rstrip(".")
+    beyond = f"; up to {material.extrapolated:.0%} of a channel lies beyond the page's wavelengths"
+    return {
+        "data": f"{material.author_year}: {reference}; by refractiveindex.info, {material.page}",
+        "licence": "CC0-1.0",
+        "trust": trust + beyond * (material.extrapolated >= 0.005),
+    }
+
+
+def metals() -> Iterator[tuple[str, str]]:
+    """Id and text of all that light does not pass: n and k; the Schlick form with a tint; the usual finishes."""
+    for material in constants().values():
+        if material.family in ABSORBING:
+            yield conductor(material, material.family, material.material, M_METAL, RANGE_METAL)
+        if material.family in {"metals", "alloys"}:
+            yield schlick_form(material)
+    for name in FINISHED:
+        for finish, (m, m_range) in FINISHES.items():
+            yield conductor(constants()[name], "finished_metals", f"{name}, {finish}", m, m_range)
+
+
+def conductor(material: Constants, family: str, name: str, m: float, m_range: tuple[float, float]) -> tuple[str, str]:
+    n, k = effective(material)
+    trust = f"n and k are {material.method}; {missed(material)}; {LOOK}"
+    tagged = "metals" if family == "finished_metals" else family
+    finish = name.removeprefix(material.material).strip(", ")
+    values = described(tagged, material.material, "cook_torrance", (finish,) if finish else ())
+    values |= {"name": title(name), "m": m, "m_range": m_range}
+    verified = {"f0": Conductor(n, k)(1.0)}
+    tables = {"fresnel": {"n": n, "k": k}, "source": cited(material, trust), "verified": verified}
+    return identity_of(family, name), toml(values, **tables)
+
+
+def missed(material: Constants) -> str:
+    """How a channel's n and k stand to the spectrum: in reflectance head-on and at 82 degrees."""
+    n, k = effective(material)
+    aims = targets(material)
+    bright = [c for c, *both in zip(("red", "green", "blue"), *aims, strict=True) if max(both) > 1.0]
+    far = max(np.abs(Conductor(n, k)(cos) - aim)[aim <= 1.0].max() for cos, aim in zip(AT, aims, strict=True))
+    text = "a channel's reflect as the spectrum does head-on and at 82 degrees"
+    if bright:
+        return f"{text}, but for {' and '.join(bright)}, clipped: the colour lies outside Rec.709"
+    return text if far <= 1e-4 else f"{text}, within {far:.1g}: no n and k have both"
+
+
+def schlick_form(material: Constants) -> tuple[str, str]:
+    """F0 and F82, clipped to what the form takes."""
+    f0 = reflectance(material, 1.0)
+    tint = reflectance(material, F82_COSINE) / schlick(F82_COSINE, np.minimum(f0, 1.0))
+    clipped = "; clipped to 1 where the formula or Rec.709 would pass it" * bool(max(*f0, *tint) > 1.0)
+    f0, tint = np.minimum(f0, 1.0), np.minimum(tint, 1.0)
+    trust = f"f0 and f82_tint follow from n and k, which are {material.method}{clipped}; {LOOK}"
+    values = described(material.family, material.material, "cook_torrance", ("schlick",))
+    values |= {"name": f"{title(material.material)}, Schlick", "m": M_METAL, "m_range": RANGE_METAL}
+    tables = {"fresnel": {"f0": f0, "f82_tint": tint}, "source": cited(material, trust), "verified": {"f0": f0}}
+    return identity_of("metals_schlick", f"{material.material} schlick"), toml(values, **tables)
+
+
+def transparent() -> Iterator[tuple[str, str]]:
+    """Id and text of glasses, crystals, gems, liquids and plastics that have a spectral page."""
+    for material in constants().values():
+        if material.family in ABSORBING:
+            continue
+        colours = absorption(material)
+        passes = "no absorption: what passes is not tinted" if colours is None else "absorption is measured"
+        trust = f"eta, at 587.6 nm, is {material.method}; {passes}; m = 0 is an ideal polish"
+        values = described(material.family, material.material, "glass") | {"m": 0.0, "m_range": (0.0, 0.5)}
+        eta = float(f"{material.n_d:.6g}")  # as the file holds it
+        values |= {"eta": eta} | ({} if colours is None else {"absorption": colours})
+        yield (
+            identity_of(material.family, material.material),
+            toml(values, source=cited(material, trust), verified=head_on(eta)),
+        )
+
+
+def single_indices() -> Iterator[tuple[str, str]]:
+    """Id and text of those that have an index and no more; opaque ones are white under it."""
+    for row in table("scalar_indices"):
+        n, low, high = (float(row[key]) for key in ("n", "n_low", "n_high"))
+        spread = f", the middle of {low:g} to {high:g}" * (low < high)
+        source = {"data": f"index near 589 nm{spread}: {row['source']}"}
+        if row["body"] == "clear":
+            trust = "eta is quoted, not traced to a measurement; no absorption: what passes is not tinted; m = 0 is an "
+            values = described(row["family"], row["material"], "glass") | {"m": 0.0, "m_range": (0.0, 0.5), "eta": n}
+            tables = {"source": source | {"trust": trust + "ideal polish"}, "verified": head_on(n)}
+        else:
+            trust = f"eta is quoted, not traced to a measurement; colour is chosen; {LOOK}"
+            values = described(row["family"], row["material"], "sum") | {"coupled": True, "d": 1.0, "s": 1.0}
+            values |= {
+                "tags": ["plastic"],
+                "albedo": [0.85] * 3,
+                "sigma": 0.0,
+                "m": M_PLASTIC,
+                "m_range": RANGE_PLASTIC,
+            }
+            tables = {"fresnel": {"eta": n}, "source": source | {"trust": trust}, "verified": head_on(n)}
+        yield identity_of(row["family"], row["material"]), toml(values, **tables)
 
 
 def car_paints() -> Iterator[tuple[str, str]]:
@@ -124,12 +284,17 @@ def head_on(eta: float) -> dict[str, object]:
     return {"f0": np.asarray(Dielectric(eta)(1.0))}
 
 
+def every_preset() -> Iterator[tuple[str, str]]:
+    for family in (metals, transparent, single_indices, car_paints, translucent):
+        yield from family()
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write the presets")
     write = parser.parse_args().write
     differ = []
-    for identity, text in [*car_paints(), *translucent()]:
+    for identity, text in every_preset():
         path = FOLDER / f"{identity}.toml"
         if write:
             path.parent.mkdir(exist_ok=True)  # a new family
