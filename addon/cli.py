@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -74,15 +75,17 @@ def list_presets(
         bool, typer.Option("--json", help="A list of {id, name, family, model, parameters, source}")
     ] = False,
 ) -> None:
-    """List the presets."""
+    """List the presets, yours too: those in the folder that VGROOVE_PRESETS names."""
     found = presets.search(query)
+    for error in presets.refused():
+        err.print(f"vgroove: left out: {error}", style="yellow", highlight=False, soft_wrap=True, markup=False)
     if as_json:
         print(json.dumps([_preset_json(preset) for preset in found], indent=1))
         return
     table = Table("id", "name", "parameters", "source")
     for preset in found:
         numbers = ", ".join(f"{key} {_plain(value)}" for key, value in preset.parameters.items())
-        table.add_row(preset.id, preset.name, numbers, preset.source["data"])
+        table.add_row(preset.id, escape(preset.name), numbers, escape(preset.source["data"]))
     out.print(table)
 
 

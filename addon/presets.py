@@ -29,10 +29,12 @@ Imports no bpy.
 from __future__ import annotations
 
 import difflib
+import os
+import re
 import tomllib
 from dataclasses import dataclass, field, replace
 from functools import cache
-from math import pi
+from math import inf, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +57,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 FOLDER = Path(__file__).parent.parent / "presets"
+USER_FOLDER = "VGROOVE_PRESETS"  # the environment variable that names a folder of more presets
+USER_FAMILY = "mine"  # of a file that lies right in that folder
+LONGEST_FILE, LONGEST_NAME, LONGEST_MESSAGE = 100_000, 60, 400  # bytes; characters (Blender keeps 63 bytes of a name)
 FIRST_FAMILY = "lecture"  # wins where a bare name is ambiguous
 MODELS = {
     "cook_torrance": ("m",),
@@ -92,7 +97,14 @@ SOURCE_KEYS = ("data", "licence", "trust")
 
 
 class PresetError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+    """Bad input in one line: what, where, how to mend it.
+
+    Whatever a file holds stays one line of at most ``LONGEST_MESSAGE`` characters that a terminal shows as they are.
+    """
+
+    def __init__(self, message: str) -> None:
+        line = "".join(c if c.isprintable() else "?" for c in message)
+        super().__init__(line if len(line) <= LONGEST_MESSAGE else f"{line[: LONGEST_MESSAGE - 4]} ...")
 
 
 @dataclass(frozen=True)
@@ -187,14 +199,18 @@ class Preset:
             _known(where, key, self.parameters)
         checked = self.parameters | {key: _number(where, key, value) for key, value in changes.items()}
         _holds_together(where, checked, self.kind, coupled=self.coupled)
-        return replace(self, parameters=checked)
+        if checked == self.parameters:
+            return self
+        changed = replace(self, parameters=checked, verified={})
+        suits = self.m_range is not None and self.m_range[0] <= changed.m <= self.m_range[1]
+        return changed if suits else replace(changed, m_range=None)
 
 
 def parse(text: str, identity: str, where: str) -> Preset:
     """A preset from TOML ``text``; ``where`` (a file name) opens every PresetError."""
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits; lists in lists in lists
         message = f"{where}: not valid TOML: {error}"
         raise PresetError(message) from error
     model = _typed(where, "model", data.get("model", next(iter(MODELS))), str)
@@ -220,6 +236,9 @@ def parse(text: str, identity: str, where: str) -> Preset:
     else:
         kind = _fresnel_kind(where, data["fresnel"])
         parameters |= {key: _number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[kind]}
+    if not (data["name"].isprintable() and len(data["name"].strip()) > 0 and len(data["name"]) <= LONGEST_NAME):
+        message = f"{where}: name must be 1 to {LONGEST_NAME} printable characters, got {data['name']!r}"
+        raise PresetError(message)
     coupled = _typed(where, "coupled", data.get("coupled", False), bool)
     _holds_together(where, parameters, kind, coupled=coupled)
     source = _source(where, data["source"])
@@ -232,13 +251,23 @@ def parse(text: str, identity: str, where: str) -> Preset:
 
 def load(path: Path) -> Preset:
     """The preset in ``path`` (FAMILY/MATERIAL.toml); PresetError if it cannot be read or does not hold."""
-    where = f"{path.parent.name}/{path.name}"
+    return _read(path, path.parent.name)
+
+
+def _read(path: Path, family: str) -> Preset:
+    where, identity = f"{path.parent.name}/{path.name}", f"{family}/{path.stem}"
+    if not re.fullmatch(r"[\w.-]+/[\w.-]+", identity):
+        message = f'{where}: cannot be "{identity}"; name file and folder with letters, digits, "_", "-" and "." alone'
+        raise PresetError(message)
     try:
+        if path.stat().st_size > LONGEST_FILE:
+            message = f"{where}: is larger than {LONGEST_FILE} bytes, which no preset is"
+            raise PresetError(message)
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         message = f"{where}: cannot be read: {error}"
         raise PresetError(message) from error
-    return parse(text, f"{path.parent.name}/{path.stem}", where)
+    return parse(text, identity, where)
 
 
 def load_folder(folder: Path) -> dict[str, Preset]:
@@ -255,9 +284,65 @@ def load_folder(folder: Path) -> dict[str, Preset]:
 
 
 @cache
-def all_presets() -> dict[str, Preset]:
+def shipped() -> dict[str, Preset]:
     """The presets that ship with vgroove, by id."""
     return load_folder(FOLDER)
+
+
+_user_folders: list[Path] = []  # of the extension; in use where the environment names none
+
+
+def user_folder() -> Path | None:
+    """Where the user's own presets are: the folder that ``VGROOVE_PRESETS`` names, else the extension's."""
+    named = os.environ.get(USER_FOLDER)
+    return Path(named) if named else next(iter(_user_folders), None)
+
+
+def set_user_folder(folder: Path | None) -> None:
+    """The folder for presets of those who have not set ``VGROOVE_PRESETS``."""
+    _user_folders[:] = [folder] if folder else []
+
+
+@cache
+def _of_user(folder: Path | None) -> tuple[dict[str, Preset], dict[str, PresetError]]:
+    """What holds in the user's folder, MATERIAL.toml or FAMILY/MATERIAL.toml, and what does not, by id."""
+    held: dict[str, Preset] = {}
+    refused: dict[str, PresetError] = {}
+    if folder is None or not folder.is_dir():
+        return held, refused
+    taken = {identity.casefold(): identity for identity in shipped()}
+    for path in sorted([*folder.glob("*.toml"), *folder.glob("*/*.toml")]):
+        family = USER_FAMILY if path.parent == folder else path.parent.name
+        try:
+            preset = _read(path, family)
+        except PresetError as error:
+            refused[f"{family}/{path.stem}"] = error
+            continue
+        same = taken.setdefault(preset.id.casefold(), preset.id)
+        if preset.id in shipped() or preset.id in held or same != preset.id:
+            message = f"{path.parent.name}/{path.name}: there is a preset {same} already; rename the file"
+            refused[preset.id] = PresetError(message)
+        else:
+            held[preset.id] = preset
+    return held, refused
+
+
+def all_presets() -> dict[str, Preset]:
+    """The presets that ship with vgroove and those of the user that hold, by id."""
+    return shipped() | _of_user(user_folder())[0]
+
+
+def refused() -> list[PresetError]:
+    """Of each of the user's files that does not hold, why; and of a folder that is not there."""
+    folder = user_folder()
+    if os.environ.get(USER_FOLDER) and folder is not None and not folder.is_dir():
+        return [PresetError(f"{USER_FOLDER}: {folder} is no folder; make it, or unset the variable")]
+    return list(_of_user(folder)[1].values())
+
+
+def reread() -> None:
+    """Look again into the user's folder when next asked."""
+    _of_user.cache_clear()
 
 
 def find(name: str) -> Preset:
@@ -272,6 +357,9 @@ def find(name: str) -> Preset:
     if hits:
         message = f'preset "{name}" is in several families; write one of {", ".join(p.id for p in hits)}'
         raise PresetError(message)
+    for identity, error in _of_user(user_folder())[1].items():
+        if name in {identity, identity.split("/")[1]}:
+            raise error
     names = [*presets, *(preset.id.split("/")[1] for preset in presets.values())]
     near = difflib.get_close_matches(name, names, n=1)
     message = f'unknown preset "{name}"; ' + (f'did you mean "{near[0]}"?' if near else '"vgroove presets" lists them')
@@ -339,7 +427,10 @@ def _number(where: str, key: str, value: Any) -> float | tuple[float, float, flo
 
 
 def _in_range(where: str, key: str, value: Any) -> float:
-    number = float(_typed(where, key, value, float))
+    try:
+        number = float(_typed(where, key, value, float))
+    except OverflowError:  # an integer of hundreds of digits
+        number = inf
     low, high = RANGES[base_name(key)]
     if key == "m" and number == 0.0:
         return number
@@ -452,6 +543,8 @@ def _example(key: str) -> str:
         "sigma": "sigma = 0.3",
         "d": "d = 0.6",
         "s": "s = 0.4",
+        "reflectance": "reflectance = [0.8, 0.7, 0.6]",
+        "mean_free_path": "mean_free_path = [0.001, 0.001, 0.001] (metres)",
         "lobes": "a table [[lobes]] with s, m, f0 and f82_tint for each lobe",
         "fresnel": "a table [fresnel] with f0, f0 and f82_tint, eta, or n and k",
         "source": 'a table [source] with data = "author, year, page"',

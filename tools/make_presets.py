@@ -10,11 +10,13 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from optical_constants import ABSORBING, AT, Constants, absorption, constants, effective, reflectance, table, targets
 
+from vgroove.addon import preset_files
+from vgroove.addon.preset_files import toml
 from vgroove.addon.presets import FOLDER
 from vgroove.addon.reference import Conductor, Dielectric, schlick
 from vgroove.addon.reference.fresnel import F82_COSINE
@@ -72,33 +74,24 @@ NOTES = {
     "cellulose": "The index of the fibre's substance, not of paper.",
     "liquid argon 90 K": "At 90 K, where it is liquid.",
 }
-HEAD = "# SPDX-License-Identifier: GPL-3.0-or-later\n# Made by tools/make_presets.py\n"
+HEAD = preset_files.HEAD + "# Made by tools/make_presets.py\n"
 
 
 def rgb(row: dict[str, str], key: str) -> NDArray[np.float64]:
     return np.array([float(row[f"{key}_{channel}"]) for channel in "rgb"])
 
 
-def number(value: object) -> str:
-    """A TOML value: numbers to six digits."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return "[" + ", ".join(number(part) for part in value) + "]"
-    text = f"{float(value):.6g}"  # type: ignore[arg-type]
-    return text if any(mark in text for mark in ".en") else text + ".0"
+def text_of(values: dict[str, object], **tables: dict[str, object] | list[dict[str, object]]) -> str:
+    """A preset's file: numbers to six digits."""
+    return HEAD + toml(rounded(values), **{name: rounded(content) for name, content in tables.items()})
 
 
-def toml(values: dict[str, object], **tables: dict[str, object] | list[dict[str, object]]) -> str:
-    """Numbers and texts at the top, then tables, and lists of tables."""
-    lines = [f"{key} = {number(value)}" for key, value in values.items()]
-    for name, content in tables.items():
-        for one in content if isinstance(content, list) else [content]:
-            lines += ["", f"[[{name}]]" if isinstance(content, list) else f"[{name}]"]
-            lines += [f"{key} = {number(value)}" for key, value in one.items()]
-    return HEAD + "\n".join(lines) + "\n"
+def rounded(of: Any) -> Any:
+    if isinstance(of, dict):
+        return {key: rounded(value) for key, value in of.items()}
+    if isinstance(of, (list, tuple, np.ndarray)):
+        return [rounded(value) for value in of]
+    return of if isinstance(of, (str, bool)) else float(f"{float(of):.6g}")
 
 
 def identity_of(family: str, material: str) -> str:
@@ -149,7 +142,7 @@ def conductor(material: Constants, family: str, name: str, m: float, m_range: tu
     values |= {"name": title(name), "m": m, "m_range": m_range}
     verified = {"f0": Conductor(n, k)(1.0)}
     tables = {"fresnel": {"n": n, "k": k}, "source": cited(material, trust), "verified": verified}
-    return identity_of(family, name), toml(values, **tables)
+    return identity_of(family, name), text_of(values, **tables)
 
 
 def missed(material: Constants) -> str:
@@ -174,7 +167,7 @@ def schlick_form(material: Constants) -> tuple[str, str]:
     values = described(material.family, material.material, "cook_torrance", ("schlick",))
     values |= {"name": f"{title(material.material)}, Schlick", "m": M_METAL, "m_range": RANGE_METAL}
     tables = {"fresnel": {"f0": f0, "f82_tint": tint}, "source": cited(material, trust), "verified": {"f0": f0}}
-    return identity_of("metals_schlick", f"{material.material} schlick"), toml(values, **tables)
+    return identity_of("metals_schlick", f"{material.material} schlick"), text_of(values, **tables)
 
 
 def transparent() -> Iterator[tuple[str, str]]:
@@ -190,7 +183,7 @@ def transparent() -> Iterator[tuple[str, str]]:
         values |= {"eta": eta} | ({} if colours is None else {"absorption": colours})
         yield (
             identity_of(material.family, material.material),
-            toml(values, source=cited(material, trust), verified=head_on(eta)),
+            text_of(values, source=cited(material, trust), verified=head_on(eta)),
         )
 
 
@@ -215,7 +208,7 @@ def single_indices() -> Iterator[tuple[str, str]]:
                 "m_range": RANGE_PLASTIC,
             }
             tables = {"fresnel": {"eta": n}, "source": source | {"trust": trust}, "verified": head_on(n)}
-        yield identity_of(row["family"], row["material"]), toml(values, **tables)
+        yield identity_of(row["family"], row["material"]), text_of(values, **tables)
 
 
 def car_paints() -> Iterator[tuple[str, str]]:
@@ -240,7 +233,7 @@ def car_paints() -> Iterator[tuple[str, str]]:
         values = {"name": row["name"], "model": "car_paint", "tags": ["car paint", "paint"]}
         yield (
             f"car_paints/{row['id']}",
-            toml(values | {"albedo": rgb(row, "kd"), "sigma": 0.0}, lobes=lobes, source=source),
+            text_of(values | {"albedo": rgb(row, "kd"), "sigma": 0.0}, lobes=lobes, source=source),
         )
 
 
@@ -263,7 +256,7 @@ def translucent() -> Iterator[tuple[str, str]]:
             "m": m,
             "m_range": [m / 2, m * 2],
         }
-        yield f"translucent/{row['id']}", toml(values, fresnel={"eta": eta}, source=source, verified=head_on(eta))
+        yield f"translucent/{row['id']}", text_of(values, fresnel={"eta": eta}, source=source, verified=head_on(eta))
 
 
 def dipole_reflectance(
