@@ -5,7 +5,7 @@ UV := $(shell command -v uv 2>/dev/null || echo .tools/uv/bin/uv)
 RUN = $(UV) run --quiet
 RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 
-.PHONY: demo test test-4.5 lint check bench package clean
+.PHONY: demo test test-4.5 lint check bench previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
@@ -29,7 +29,13 @@ check: | $(UV)  ## every model x estimator x backend, Cycles against NumPy
 bench: | $(UV)  ## time of each estimator and backend over Cycles' own Metallic BSDF
 	$(RUN) python bench/estimators.py
 
-package: | $(UV)  ## the extension as dist/vgroove-VERSION.zip, built and validated by Blender's own tool
+previews: | $(UV)  ## a picture of every preset that has none yet or has changed, for the panel and the asset library
+	$(RUN) python tools/previews.py
+
+assets: previews  ## every preset for the Asset Browser; written by 4.5, as 5.2 reads its files too
+	$(RUN_45) python tools/assets.py
+
+package: assets  ## the extension as dist/vgroove-VERSION.zip, built and validated by Blender's own tool
 	$(RUN) python tools/package.py dist
 
 .tools/uv/bin/uv:  # an environment of its own, as many systems refuse `pip install` outside one
@@ -37,4 +43,4 @@ package: | $(UV)  ## the extension as dist/vgroove-VERSION.zip, built and valida
 	.tools/uv/bin/pip install --quiet uv==0.13.9
 
 clean:
-	rm -rf build dist .cache .tools .venv .venv-4.5
+	rm -rf build dist previews assets .cache .tools .venv .venv-4.5

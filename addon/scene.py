@@ -336,8 +336,8 @@ def preview(environment: str = "sunset") -> Scene:
     scene.view_settings.view_transform = "Standard"
     _ball(scene)
     _floor(scene)
-    _sun(scene)
-    _world(scene, environments()[environment])
+    add_sun(scene)
+    light_by(scene, environments()[environment])
     camera = bpy.data.cameras.new("Camera")
     camera.lens = 85
     item = bpy.data.objects.new("Camera", camera)
@@ -397,15 +397,17 @@ def _floor(scene: Scene) -> None:
     scene.collection.objects.link(bpy.data.objects.new("Floor", mesh))
 
 
-def _sun(scene: Scene) -> None:
+def add_sun(scene: Scene, energy: float = 1.6) -> None:
+    """A low sun of zero size, whose shadow has a sharp line."""
     sun = bpy.data.lights.new("Sun", "SUN")
-    sun.energy, sun.angle = 1.6, 0.0  # a sharp shadow line
+    sun.energy, sun.angle = energy, 0.0
     item = bpy.data.objects.new("Sun", sun)
     item.rotation_euler = (radians(50.0), 0.0, radians(-40.0))
     scene.collection.objects.link(item)
 
 
-def _world(scene: Scene, image: Path) -> None:
+def light_by(scene: Scene, image: Path, strength: float = 1.0) -> None:
+    """Make an environment map the scene's world."""
     world = bpy.data.worlds.new("World")
     if bpy.app.version < (5, 0, 0):  # as in material.py; goes with 4.5 LTS
         world.use_nodes = True
@@ -415,6 +417,7 @@ def _world(scene: Scene, image: Path) -> None:
         tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexEnvironment", "Background", "OutputWorld")
     )
     texture.image = bpy.data.images.load(str(image))
+    background.inputs["Strength"].default_value = strength
     tree.links.new(texture.outputs["Color"], background.inputs["Color"])
     tree.links.new(background.outputs[0], output.inputs["Surface"])
     scene.world = world

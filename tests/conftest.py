@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender is prepared before anything imports it; each Blender test starts from an empty file."""
 
+import numpy as np
 import pytest
 
 from vgroove.addon import headless
 
 headless.prepare()
 
-import bpy  # noqa: E402 - prepare() must come first
+import bmesh  # noqa: E402 - prepare() must come first
+import bpy  # noqa: E402
+
+from vgroove.addon import gonio  # noqa: E402
+
+PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 
 
 @pytest.fixture
@@ -39,3 +45,43 @@ def empty_material(blender):
         return material
 
     return make
+
+
+@pytest.fixture
+def balls(blender):
+    """A function that renders a ball of each material below a sky: (balls, pixels within the ball, 3).
+
+    The materials come from a function that is given the scene; the sky is white, or white above the horizon or below.
+    """
+    across = (np.arange(PIXELS) + 0.5) * SPACING / PIXELS - SPACING / 2.0
+    within = np.hypot(*np.meshgrid(across, across)) < 0.95
+
+    def render(make, *, osl=False, lit="all"):
+        mesh = blender.data.meshes.new("Ball")
+        shape = bmesh.new()
+        bmesh.ops.create_uvsphere(shape, u_segments=32, v_segments=16, radius=1.0)
+        shape.to_mesh(mesh)
+        shape.free()
+        mesh.shade_smooth()
+        mesh.materials.append(None)
+        with headless.quiet(), gonio.stage((PIXELS, PIXELS), samples=SAMPLES, seed=0, shading_osl=osl) as stage:
+            gonio.light(stage, gonio.Geometry(furnace=True, lit=lit))
+            made = make(stage)
+            side = int(np.ceil(np.sqrt(len(made))))
+            stage.render.resolution_x = stage.render.resolution_y = PIXELS * side
+            for index, material in enumerate(made):
+                item = blender.data.objects.new("Ball", mesh)
+                item.material_slots[0].link = "OBJECT"
+                item.material_slots[0].material = material
+                item.location = (SPACING * (index % side), -SPACING * (index // side), 0.0)
+                stage.collection.objects.link(item)
+            camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+            camera.data.type, camera.data.ortho_scale = "ORTHO", SPACING * side
+            camera.location = (SPACING * (side - 1) / 2.0, -SPACING * (side - 1) / 2.0, 9.0)
+            stage.collection.objects.link(camera)
+            stage.camera = camera
+            image = gonio.rendered(stage)
+        tiles = image.reshape(side, PIXELS, side, PIXELS, 3).transpose(0, 2, 1, 3, 4)
+        return tiles.reshape(side * side, PIXELS, PIXELS, 3)[: len(made), within]
+
+    return render

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every preset as an asset for Blender's Asset Browser: assets/vgroove.blend, and its catalogs beside it.
+
+python tools/assets.py [FOLDER]
+
+Pictures come from previews/ (tools/previews.py); without one an asset has Blender's own icon. The file opens in the
+Blender that wrote it and in later ones.
+"""
+
+from __future__ import annotations
+
+import sys
+import uuid
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vgroove.addon import headless
+
+headless.prepare()
+
+import bpy  # noqa: E402 - after prepare()
+import numpy as np  # noqa: E402
+
+from vgroove.addon import material, presets, scene  # noqa: E402
+from vgroove.addon.files import replacing  # noqa: E402
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+ROOT = Path(__file__).parent.parent
+PREVIEWS = ROOT / "previews"
+CATALOGS = uuid.UUID("5b1c3a0e-6f0d-4d53-9b3e-0d3b8f3a7c11")  # catalogs keep their ids for ever: families hang on it
+PIXELS = 128  # as large as the Asset Browser shows them; pictures are most of the file
+AUTHOR, LICENCE = "The vgroove authors", "GPL-3.0-or-later"
+
+
+def catalog(family: str) -> uuid.UUID:
+    return uuid.uuid5(CATALOGS, family)
+
+
+def catalogs(families: Iterable[str]) -> str:
+    """blender_assets.cats.txt: a catalog a family below one of our own."""
+    lines = [f"{catalog(family)}:V-Groove/{title(family)}:V-Groove-{title(family)}" for family in sorted(families)]
+    return "VERSION 1\n\n" + "\n".join(lines) + "\n"
+
+
+def title(family: str) -> str:
+    return family.replace("_", " ").capitalize()
+
+
+def as_asset(preset: presets.Preset, name: str) -> bpy.types.Material:
+    """The material that Automatic would build where no lamps are, marked as an asset."""
+    estimator = scene.pick_estimator(bpy.context.scene, preset.m, preset.model)
+    made = material.build(preset, material.Choice("nodes", estimator))
+    made.name = name
+    made.asset_mark()
+    data = made.asset_data
+    data.catalog_id = str(catalog(preset.family))
+    data.author, data.license = AUTHOR, LICENCE
+    data.description = f"{preset.name}: {preset.source['trust']}. Source: {preset.source['data']}"
+    for tag in dict.fromkeys((preset.family.replace("_", " "), *preset.tags)):
+        data.tags.new(tag)
+    if hasattr(data, "use_preferred_import_method"):  # 5.2, which would pack assets so that they cannot be edited
+        data.use_preferred_import_method, data.preferred_import_method = True, "APPEND"
+    picture = PREVIEWS / f"{preset.id}.webp"
+    if picture.exists():
+        show(made, picture)
+    return made
+
+
+def show(made: bpy.types.Material, picture: Path) -> None:
+    image = bpy.data.images.load(str(picture))
+    image.scale(PIXELS, PIXELS)
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    bpy.data.images.remove(image)
+    preview = made.preview_ensure()
+    preview.image_size = (PIXELS, PIXELS)
+    preview.image_pixels_float.foreach_set(pixels)
+
+
+def write(folder: Path) -> Path:
+    """The library in ``folder``; empties this session."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.render.engine = "CYCLES"
+    shown = presets.shipped().values()
+    names = [preset.name.casefold() for preset in shown]
+    for preset in shown:
+        alone = names.count(preset.name.casefold()) == 1
+        as_asset(preset, preset.name if alone else f"{preset.name} ({preset.family})")
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "vgroove.blend"
+    with replacing(path) as temporary:
+        bpy.ops.wm.save_as_mainfile(filepath=str(temporary), compress=True, copy=True)
+    with replacing(folder / "blender_assets.cats.txt") as temporary:
+        temporary.write_text(catalogs({preset.family for preset in shown}), encoding="utf-8")
+    return path
+
+
+def main() -> None:
+    with headless.quiet():
+        path = write(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "assets")
+    count = len(presets.shipped())
+    print(f"{path}: {count} materials, {path.stat().st_size / 1e6:.1f} MB")
+
+
+if __name__ == "__main__":
+    main()
