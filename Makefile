@@ -32,7 +32,8 @@ bench: | $(UV)  ## time of each estimator and backend over Cycles' own Metallic 
 previews: | $(UV)  ## a picture of every preset that has none yet or has changed, for the panel and the asset library
 	$(RUN) python tools/previews.py
 
-assets: previews  ## every preset for the Asset Browser; written by 4.5, as 5.2 reads its files too
+assets: previews  ## every preset for the Asset Browser, a file for each Blender
+	$(RUN) python tools/assets.py
 	$(RUN_45) python tools/assets.py
 
 package: assets  ## the extension as dist/vgroove-VERSION.zip, built and validated by Blender's own tool

@@ -334,7 +334,9 @@ def preview(environment: str = "sunset") -> Scene:
     scene.cycles.device = "CPU"
     exact(scene)
     scene.view_settings.view_transform = "Standard"
-    _ball(scene)
+    ball = bpy.data.objects.new("Ball", ball_mesh())
+    ball.location = (0, 0, 1)
+    scene.collection.objects.link(ball)
     _floor(scene)
     add_sun(scene)
     light_by(scene, environments()[environment])
@@ -356,8 +358,8 @@ def exact(scene: Scene) -> None:
     cycles.light_sampling_threshold = 0.0
 
 
-def _ball(scene: Scene, segments: int = 128, rings: int = 64) -> None:
-    """A smooth sphere made by hand: Blender's own comes with its points in an order that differs from run to run."""
+def ball_mesh(segments: int = 128, rings: int = 64) -> bpy.types.Mesh:
+    """A smooth unit sphere made by hand: the points of Blender's own come in an order that differs from run to run."""
     ring = np.arange(1, rings)[:, None] * np.pi / rings
     turn = np.arange(segments) * 2 * np.pi / segments
     parts = (
@@ -377,9 +379,7 @@ def _ball(scene: Scene, segments: int = 128, rings: int = 64) -> None:
     mesh = bpy.data.meshes.new("Ball")
     mesh.from_pydata(points, [], faces)
     mesh.shade_smooth()
-    ball = bpy.data.objects.new("Ball", mesh)
-    ball.location = (0, 0, 1)
-    scene.collection.objects.link(ball)
+    return mesh
 
 
 def _floor(scene: Scene) -> None:

@@ -8,10 +8,9 @@ from vgroove.addon import headless
 
 headless.prepare()
 
-import bmesh  # noqa: E402 - prepare() must come first
-import bpy  # noqa: E402
+import bpy  # noqa: E402 - prepare() must come first
 
-from vgroove.addon import gonio  # noqa: E402
+from vgroove.addon import gonio, scene  # noqa: E402
 
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 
@@ -57,12 +56,7 @@ def balls(blender):
     within = np.hypot(*np.meshgrid(across, across)) < 0.95
 
     def render(make, *, osl=False, lit="all"):
-        mesh = blender.data.meshes.new("Ball")
-        shape = bmesh.new()
-        bmesh.ops.create_uvsphere(shape, u_segments=32, v_segments=16, radius=1.0)
-        shape.to_mesh(mesh)
-        shape.free()
-        mesh.shade_smooth()
+        mesh = scene.ball_mesh(32, 16)
         mesh.materials.append(None)
         with headless.quiet(), gonio.stage((PIXELS, PIXELS), samples=SAMPLES, seed=0, shading_osl=osl) as stage:
             gonio.light(stage, gonio.Geometry(furnace=True, lit=lit))

@@ -24,7 +24,7 @@ def library(tmp_path_factory):
     """The .blend, written by the command."""
     folder = tmp_path_factory.mktemp("assets")
     subprocess.run([sys.executable, str(TOOL), str(folder)], check=True)
-    return folder / "vgroove.blend"
+    return next(folder.glob("*/vgroove.blend"))
 
 
 def appended(blender, library):

@@ -142,9 +142,13 @@ def test_a_still_without_camera_or_with_an_odd_ending_is_refused(stage, tmp_path
 
 def with_ball(stage, made):
     """The preview's ball, of this material."""
-    scene._ball(stage)
-    stage.objects["Ball"].data.materials.append(made)
-    return stage.objects["Ball"]
+    import bpy
+
+    ball = bpy.data.objects.new("Ball", scene.ball_mesh())
+    ball.location = (0, 0, 1)
+    ball.data.materials.append(made)
+    stage.collection.objects.link(ball)
+    return ball
 
 
 def add_lamp(stage, name, kind="POINT", size=0.0):

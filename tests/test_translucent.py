@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from vgroove.addon import check, headless, material
+from vgroove.addon import check, headless, material, scene
 from vgroove.addon.check_seeds import furnace, furnace_directions
 from vgroove.addon.presets import PresetError, parse
 from vgroove.addon.reference import CookTorrance, Dielectric, Lambert, Sum, albedo
@@ -61,7 +61,8 @@ def sent_back(of, setup, estimator):
 def test_a_white_furnace_is_near_the_sum_and_never_brightens(instrument, setup, estimator):
     """Cycles sends less back toward the normal and more toward grazing than Lambert's law does: up to 20 %.
 
-    Over all views, weighted by the cosine, the two lie within 5 %.
+    Over all views, weighted by the cosine, the two lie within 5 %, and by as much light more as the coat of native
+    lobes may be off on this Blender.
     """
     seen, expected = sent_back(preset(), setup, estimator), albedo(preset().reference(), furnace_directions())
     up = furnace_directions()[:, 2] > 0.1
@@ -69,7 +70,9 @@ def test_a_white_furnace_is_near_the_sum_and_never_brightens(instrument, setup, 
     assert np.abs(seen / expected - 1.0)[up].max() < 0.2
     theta = np.arccos(furnace_directions()[:, 2])
     weight = (np.sin(theta) * np.cos(theta))[:, None]
-    assert np.sum(weight * seen, axis=0) == pytest.approx(np.sum(weight * expected, axis=0), rel=0.05)
+    off = scene.native_fresnel_error("dielectric", setup.backend)
+    bound = 0.05 * np.sum(weight * expected, axis=0) + off * weight.sum()
+    assert (np.abs(np.sum(weight * (seen - expected), axis=0)) <= bound).all()
 
 
 @pytest.mark.blender

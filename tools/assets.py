@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every preset as an asset for Blender's Asset Browser: assets/vgroove.blend, and its catalogs beside it.
+"""Every preset as an asset for Blender's Asset Browser: assets/VERSION/vgroove.blend, and its catalogs beside it.
 
 python tools/assets.py [FOLDER]
 
-Pictures come from previews/ (tools/previews.py); without one an asset has Blender's own icon. The file opens in the
-Blender that wrote it and in later ones.
+Pictures come from previews/ (tools/previews.py); without one an asset has Blender's own icon. Each Blender has a file
+of its own: 4.5 has no exact Fresnel term of a dielectric in its lobes, and builds what comes nearest of other nodes.
 """
 
 from __future__ import annotations
@@ -21,14 +21,13 @@ headless.prepare()
 import bpy  # noqa: E402 - after prepare()
 import numpy as np  # noqa: E402
 
-from vgroove.addon import material, presets, scene  # noqa: E402
+from vgroove.addon import assets, material, presets, scene  # noqa: E402
 from vgroove.addon.files import replacing  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-ROOT = Path(__file__).parent.parent
-PREVIEWS = ROOT / "previews"
+PREVIEWS = Path(__file__).parent.parent / "previews"
 CATALOGS = uuid.UUID("5b1c3a0e-6f0d-4d53-9b3e-0d3b8f3a7c11")  # catalogs keep their ids for ever: families hang on it
 PIXELS = 128  # as large as the Asset Browser shows them; pictures are most of the file
 AUTHOR, LICENCE = "The vgroove authors", "GPL-3.0-or-later"
@@ -80,7 +79,7 @@ def show(made: bpy.types.Material, picture: Path) -> None:
 
 
 def write(folder: Path) -> Path:
-    """The library in ``folder``; empties this session."""
+    """The library below ``folder``; empties this session."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.context.scene.render.engine = "CYCLES"
     shown = presets.shipped().values()
@@ -88,8 +87,9 @@ def write(folder: Path) -> Path:
     for preset in shown:
         alone = names.count(preset.name.casefold()) == 1
         as_asset(preset, preset.name if alone else f"{preset.name} ({preset.family})")
+    folder /= assets.version()
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "vgroove.blend"
+    path = folder / assets.FILE
     with replacing(path) as temporary:
         bpy.ops.wm.save_as_mainfile(filepath=str(temporary), compress=True, copy=True)
     with replacing(folder / "blender_assets.cats.txt") as temporary:
@@ -99,7 +99,7 @@ def write(folder: Path) -> Path:
 
 def main() -> None:
     with headless.quiet():
-        path = write(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "assets")
+        path = write(Path(sys.argv[1]) if len(sys.argv) > 1 else assets.FOLDER)
     count = len(presets.shipped())
     print(f"{path}: {count} materials, {path.stat().st_size / 1e6:.1f} MB")
 
