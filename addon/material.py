@@ -43,7 +43,7 @@ from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from bpy.types import Material, Node, Object, ShaderNodeTree
+    from bpy.types import Material, Node, NodeSocket, Object, ShaderNodeTree
 
     from ..nodegroups._tree import Tree
 
@@ -234,26 +234,47 @@ class Origin:
     plain: bool
 
 
-def origin_of(material: Material) -> Origin:
-    """The preset and choice behind a material that ``build`` made; the numbers are read from its group's inputs."""
-    identity, model, kind, coupled, parameters, backend, estimator, _, *bound = json.loads(material[KEY])
+def parameter_sockets(material: Material) -> dict[str, NodeSocket]:
+    """The inputs that hold the parameters of a material that ``build`` made, by their reference names.
+
+    Smooth glass and the like have no input for their slope.
+    """
+    parameters = json.loads(material[KEY])[4]
     groups = [node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeGroup"]
-    node = next(node for node in groups if _is_model(node))
     inputs = {
         socket.name: socket for one in groups if _is_model(one) or one.label == ABSORPTION for socket in one.inputs
     }
+    found = {name: inputs[socket_name(name)] for name in parameters if socket_name(name) in inputs}
+    return {name: socket for name, socket in found.items() if base_name(name) != "m" or parameters[name] != 0.0}
+
+
+def origin_of(material: Material) -> Origin:
+    """The preset and choice behind a material that ``build`` made; the numbers are read from its group's inputs."""
+    identity, model, kind, coupled, parameters, backend, estimator, _, *bound = json.loads(material[KEY])
+    node = next(node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeGroup" and _is_model(node))
     now = {name: tuple(value) if isinstance(value, list) else value for name, value in parameters.items()}
-    for name in parameters:
-        socket = inputs.get(socket_name(name))
-        if socket is not None and not (base_name(name) == "m" and parameters[name] == 0.0):
-            value = socket.default_value
-            now[name] = tuple(value)[:3] if isinstance(value, Iterable) else float(value)
+    for name, socket in parameter_sockets(material).items():
+        value = socket.default_value
+        now[name] = tuple(value)[:3] if isinstance(value, Iterable) else float(value)
     known = all_presets().get(identity)
     source = known.source if known else {"data": "unknown"}
     preset = Preset(identity, node.label, model, kind, now, source, coupled=coupled)
     limit = node.inputs["Bound"].default_value if "Bound" in node.inputs else next(iter(bound), DEFAULT_BOUND)
     linked = {link.from_node for socket in node.inputs for link in socket.links}
     return Origin(preset, backend, estimator, float(limit), plain=all(one.label.startswith("Lamp ") for one in linked))
+
+
+def is_edited(material: Material) -> bool:
+    """Whether a material that ``build`` made was changed since."""
+    return bool(material[STATE] != _state(material))
+
+
+def reset(material: Material) -> None:
+    """Give a material that ``build`` made the numbers again that it was built with."""
+    parameters = json.loads(material[KEY])[4]
+    for name, socket in parameter_sockets(material).items():
+        _set(socket.node, socket.name, parameters[name])
+    _show_in_solid_view(material, origin_of(material).preset)
 
 
 def _is_model(node: Node) -> bool:

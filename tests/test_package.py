@@ -15,7 +15,7 @@ pytestmark = pytest.mark.blender
 ROOT = Path(__file__).parent.parent
 
 INSTALL = """
-import json, sys
+import json, pathlib, sys
 import bpy, addon_utils
 addon_utils.enable("bl_pkg", default_set=True)
 bpy.ops.extensions.package_install_files(filepath=sys.argv[1], repo="user_default", enable_on_install=True)
@@ -28,11 +28,20 @@ scene.collection.objects.link(mesh)
 mesh.select_set(True)
 scene.vgroove.preset, scene.vgroove.estimator = "lecture/copper", "mirror"
 done = bpy.ops.vgroove.apply()
+bpy.context.view_layer.objects.active = mesh
+kept = bpy.context.preferences.addons[name].preferences
+liked = []
+for _ in range(3):
+    bpy.ops.vgroove.favourite()
+    liked.append(kept.favourites)
+bpy.ops.vgroove.save_preset(name="My Copper")
+own = {"liked": liked, "recent": kept.recent, "chosen": scene.vgroove.shown}
+own["files"] = [str(path) for path in pathlib.Path(bpy.utils.resource_path("USER")).rglob("my_copper.toml")]
 for state in (False, True):
     addon_utils.enable(name) if state else addon_utils.disable(name)
     states.append(hasattr(bpy.types.Scene, "vgroove"))
 warnings = addon_utils._extensions_warnings_get()
-print("RESULT", json.dumps({"states": states, "material": mesh.active_material.name, "done": list(done),
+print("RESULT", json.dumps({"states": states, "material": mesh.active_material.name, "done": list(done), "own": own,
     "warnings": {key: list(value) for key, value in warnings.items()}, "path": module.__file__,
     "root": sys.modules[name + ".addon.ui.preferences"].ROOT}))
 """
@@ -77,7 +86,7 @@ def test_no_module_of_the_extension_touches_what_blender_refuses(archive):
 
 
 def test_the_zip_installs_enables_and_applies_without_a_warning(archive, tmp_path):
-    """In a Blender with no settings: enabled, a material applied, off and on again, no policy warning."""
+    """In a Blender with no settings: enabled, applied, marked and kept, off and on again, no policy warning."""
     done = subprocess.run(
         [sys.executable, "-c", "import sys; sys.modules['vgroove'] = None\n" + INSTALL, str(archive)],
         env={**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path)},
@@ -92,6 +101,12 @@ def test_the_zip_installs_enables_and_applies_without_a_warning(archive, tmp_pat
     assert result["done"] == ["FINISHED"]
     assert result["material"] == "Copper (Mirror)"
     assert result["warnings"] == {}
+    own = result["own"]
+    assert own["liked"] == ["lecture/copper", "", "lecture/copper"]
+    assert own["recent"] == "lecture/copper"
+    assert own["chosen"] == "mine/my_copper"
+    (kept,) = own["files"]  # in the folder that Blender gives an extension, not in the extension
+    assert ".user/user_default/vgroove/presets/" in kept
     assert result["path"].startswith(str(tmp_path))
     assert result["root"] == "bl_ext.user_default.vgroove"
     assert "Traceback" not in done.stderr

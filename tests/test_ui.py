@@ -123,13 +123,28 @@ def test_everything_in_the_panel_has_a_tooltip(extension):
     for kind in (properties.VGrooveSettings, preferences.VGroovePreferences):
         for name in kind.__annotations__:
             assert kind.bl_rna.properties[name].description, name
-    for items in (properties.BACKENDS, properties.ESTIMATORS, properties.preset_items(None, None)):
-        assert all(item[2] for item in items)
-    for operator, call in zip(
-        operators.CLASSES, (extension.ops.vgroove.apply, extension.ops.vgroove.mend), strict=True
-    ):
-        assert call.get_rna_type().description == operator.bl_description
-        assert {"REGISTER", "UNDO"} <= operator.bl_options
+    settings = extension.context.scene.vgroove
+    items = [properties.BACKENDS, properties.ESTIMATORS]
+    items += [properties.family_items(settings, None), properties.shown_items(settings, None)]
+    assert all(item[2] for of in items for item in of)
+    for operator in (*operators.CLASSES, *preferences.CLASSES[:1]):
+        family, name = operator.bl_idname.split(".")
+        kind = getattr(getattr(extension.ops, family), name).get_rna_type()
+        assert kind.description == operator.bl_description
+        for one in kind.properties:
+            hidden = one.is_hidden or one.identifier == "rna_type" or one.identifier in FILE_SELECTOR
+            assert one.description or hidden, (operator, one.identifier)
+
+
+def test_what_changes_the_file_is_undone(extension):
+    """And what does not makes no step to undo."""
+    from vgroove.addon.ui import operators
+
+    change = {"vgroove.apply", "vgroove.mend", "vgroove.reset"}
+    assert {one.bl_idname for one in operators.CLASSES if "UNDO" in one.bl_options} == change
+
+
+FILE_SELECTOR = {"filepath", "check_existing"}
 
 
 class Recorder:
@@ -148,6 +163,9 @@ class Recorder:
         self.buttons.append((name, text))
         return type("Properties", (), {})()
 
+    def template_icon_view(self, owner, name, **_):
+        assert name in owner.bl_rna.properties
+
     def column(self, **_):
         return self
 
@@ -164,10 +182,195 @@ def test_the_panels_draw(extension):
         scene=extension.context.scene,
         region=SimpleNamespace(width=280),
         preferences=extension.context.preferences,
+        object=extension.context.object,
     )
+    with headless.quiet():
+        extension.ops.vgroove.apply()
     extension.context.scene.render.engine = "BLENDER_WORKBENCH"
     for kind in panels.CLASSES:
         layout = Recorder()
         kind.draw(SimpleNamespace(layout=layout), context)
         assert layout.texts
         assert layout.buttons
+
+
+# Choosing
+
+
+def test_the_search_offers_what_it_finds(extension):
+    """In id, name and tags, within the family; the chosen preset is always there, as one cannot choose nothing."""
+    from vgroove.addon.ui import properties
+
+    settings = extension.context.scene.vgroove
+    assert (settings.family, settings.preset, settings.shown) == ("lecture", "lecture/copper", "lecture/copper")
+    settings.family, settings.search = properties.ALL, "gold SATIN"
+    gold, purple = "finished_metals/gold_satin", "finished_metals/purple_gold_aual2_satin"
+    assert [preset.id for preset in properties.found(settings)] == [gold, purple]
+    assert [item[0] for item in properties.shown_items(settings, None)] == ["lecture/copper", gold, purple]
+    settings.shown = gold
+    assert settings.preset == gold
+    settings.search = "no such thing"
+    assert [item[0] for item in properties.shown_items(settings, None)] == [gold]
+
+
+def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
+    """Through a saved file, whatever presets come or go; one that is not there gives the first."""
+    from vgroove.addon.presets import all_presets
+    from vgroove.addon.ui import properties
+
+    assert len({properties.number(identity) for identity in all_presets()}) == len(all_presets())
+    extension.context.scene.vgroove.preset = "gems/diamond"
+    with headless.quiet():
+        extension.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
+        extension.ops.wm.read_factory_settings(use_empty=True)
+        extension.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    settings = extension.context.scene.vgroove
+    assert settings.shown == settings.preset == "gems/diamond"
+    settings.preset = "mine/lost"
+    assert settings.shown == properties.chosen_preset(settings).id == "lecture/copper"
+
+
+def test_pictures_are_read_when_they_are_drawn(extension, tmp_path, monkeypatch):
+    """Each once; one that is not there leaves no icon. (Without a window Blender gives none a number.)"""
+    from vgroove.addon.presets import find
+    from vgroove.addon.ui import thumbnails
+
+    monkeypatch.setattr(thumbnails, "FOLDER", tmp_path)
+    (pictures,) = thumbnails._pictures
+    assert thumbnails.icon(find("gems/diamond")) == 0
+    assert not pictures
+    (tmp_path / "gems").mkdir()
+    (tmp_path / "gems" / "diamond.webp").touch()
+    thumbnails.icon(find("gems/diamond"))
+    assert set(pictures) == {"gems/diamond"}
+    thumbnails.icon(find("gems/diamond"))
+
+
+# Editing
+
+
+def test_edited_numbers_are_reset(extension):
+    """To those of the preset that the material was built from."""
+    from vgroove.addon import material
+    from vgroove.addon.ui import operators
+
+    extension.context.scene.vgroove.preset = "metals/gold"
+    with headless.quiet():
+        extension.ops.vgroove.apply()
+    made = operators.ours(extension.context)
+    assert set(material.parameter_sockets(made)) == {"m", "n", "k"}
+    assert not material.is_edited(made)
+    material.parameter_sockets(made)["m"].default_value = 0.4
+    assert material.is_edited(made)
+    assert extension.ops.vgroove.reset() == {"FINISHED"}
+    assert not material.is_edited(made)
+    extension.context.object.active_material = None
+    with pytest.raises(RuntimeError, match="active material came from this panel"):
+        extension.ops.vgroove.reset()
+
+
+@pytest.fixture
+def own_folder(extension, tmp_path, monkeypatch):
+    from vgroove.addon import presets
+
+    monkeypatch.setenv(presets.USER_FOLDER, str(tmp_path))
+    presets.reread()
+    yield tmp_path
+    presets.reread()
+
+
+def test_an_edited_material_is_saved_as_a_preset(extension, own_folder):
+    """It is chosen at once, says what it was edited from, and never replaces another."""
+    from vgroove.addon import material, presets
+    from vgroove.addon.ui import operators
+
+    settings = extension.context.scene.vgroove
+    settings.preset = "metals/gold"
+    with headless.quiet():
+        extension.ops.vgroove.apply()
+        material.parameter_sockets(operators.ours(extension.context))["m"].default_value = 0.4
+        assert extension.ops.vgroove.save_preset(name="Old Gold") == {"FINISHED"}
+        assert settings.preset == settings.shown == "mine/old_gold"
+        with pytest.raises(RuntimeError, match="give this one another name"):
+            extension.ops.vgroove.save_preset(name="Old Gold")
+        with pytest.raises(RuntimeError, match="name must be 1 to 60 printable characters"):
+            extension.ops.vgroove.save_preset(name=" ")
+        assert extension.ops.vgroove.apply() == {"FINISHED"}
+    kept = presets.find("mine/old_gold")
+    assert kept.m == pytest.approx(0.4)
+    assert kept.source["data"].startswith("edited from metals/gold, whose source is: Johnson and Christy 1972")
+    assert "metal" in kept.tags
+    assert [path.name for path in own_folder.iterdir()] == ["old_gold.toml"]
+
+
+def test_a_preset_goes_out_to_a_file_and_comes_back(extension, own_folder, tmp_path_factory):
+    """Export and Import; a file that is no preset is refused in one line, and nothing is kept of it."""
+    from vgroove.addon import presets
+
+    settings = extension.context.scene.vgroove
+    settings.preset = "car_paints/blue"
+    path = tmp_path_factory.mktemp("sent") / "paint.toml"
+    with headless.quiet():
+        assert extension.ops.vgroove.export_preset(filepath=str(path)) == {"FINISHED"}
+        assert extension.ops.vgroove.import_preset(filepath=str(path)) == {"FINISHED"}
+        path.write_text("name = 3", encoding="utf-8")
+        with pytest.raises(RuntimeError, match="name must be a text, got 3"):
+            extension.ops.vgroove.import_preset(filepath=str(path))
+        with pytest.raises(RuntimeError, match="cannot be written"):
+            extension.ops.vgroove.export_preset(filepath=str(path.parent / "nowhere" / "x.toml"))
+    assert settings.preset == "mine/blue_car_paint"
+    assert presets.find("mine/blue_car_paint").parameters == presets.find("car_paints/blue").parameters
+    assert [found.name for found in own_folder.iterdir()] == ["blue_car_paint.toml"]
+
+
+def test_a_folder_of_malformed_presets_does_not_keep_the_extension_from_registering(extension, own_folder):
+    """The panel says why one is left out."""
+    from types import SimpleNamespace
+
+    from vgroove.addon import presets
+    from vgroove.addon.ui import panels
+
+    for index, text in enumerate(("", "name = 3", "[[[", "\x00")):
+        (own_folder / f"bad_{index}.toml").write_text(text, encoding="utf-8")
+    presets.reread()
+    vgroove.unregister()
+    vgroove.register()
+    layout = Recorder()
+    context = SimpleNamespace(scene=extension.context.scene, region=SimpleNamespace(width=280))
+    panels.VGROOVE_PT_material.draw(SimpleNamespace(layout=layout), context)
+    assert "Left out of your presets:" in " ".join(layout.texts)
+
+
+def test_a_citation_says_what_and_whence():
+    from vgroove.addon.presets import find
+    from vgroove.addon.ui import operators
+
+    text = operators.citation(find("metals/gold"))
+    assert text.startswith("Gold [metals/gold]: Johnson and Christy 1972: P. B. Johnson and R. W. Christy.")
+    assert text.endswith("main/Au/nk/Johnson.yml (CC0-1.0).")
+
+
+# The asset library
+
+
+def test_the_asset_library_is_registered_by_its_button_alone(extension, tmp_path, monkeypatch):
+    """This Blender's, or that of the nearest earlier one; and it goes away again."""
+    from vgroove.addon import assets
+
+    libraries = extension.context.preferences.filepaths.asset_libraries
+    before = [one.name for one in libraries]
+    monkeypatch.setattr(assets, "FOLDER", tmp_path)
+    with headless.quiet(), pytest.raises(RuntimeError, match="came without its asset library"):
+        extension.ops.vgroove.asset_library(shown=True)
+    for version in ("3.6", "4.5", "99.0"):
+        (tmp_path / version).mkdir()
+        (tmp_path / version / assets.FILE).touch()
+    with headless.quiet():
+        for _ in range(2):  # once is enough, twice does no harm
+            assert extension.ops.vgroove.asset_library(shown=True) == {"FINISHED"}
+        assert [one.name for one in libraries] == [*before, "V-Groove"]
+        assert libraries[-1].path == str(tmp_path / "4.5")
+        assert libraries[-1].import_method == "APPEND"
+        for _ in range(2):
+            assert extension.ops.vgroove.asset_library(shown=False) == {"FINISHED"}
+    assert [one.name for one in libraries] == before

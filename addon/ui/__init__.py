@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from pathlib import Path
 
 import bpy
 
-from . import operators, panels, preferences, properties
+from .. import presets
+from . import operators, panels, preferences, properties, thumbnails
 
 _registered = ExitStack()
 
@@ -18,9 +20,21 @@ def register() -> None:
         for kind in (*preferences.CLASSES, *properties.CLASSES, *operators.CLASSES, *panels.CLASSES):
             bpy.utils.register_class(kind)
             undo.callback(bpy.utils.unregister_class, kind)
+        thumbnails.register()
+        undo.callback(thumbnails.unregister)
+        presets.set_user_folder(_user_folder())
+        undo.callback(presets.set_user_folder, None)
         bpy.types.Scene.vgroove = bpy.props.PointerProperty(type=properties.VGrooveSettings)
         undo.callback(delattr, bpy.types.Scene, "vgroove")
         _registered.enter_context(undo.pop_all())
+
+
+def _user_folder() -> Path | None:
+    """Where Blender lets this extension keep files; None where it is not installed as an extension. Makes nothing."""
+    try:
+        return Path(bpy.utils.extension_path_user(preferences.ROOT, path="presets"))
+    except ValueError:
+        return None
 
 
 def unregister() -> None:

@@ -1,12 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Apply a preset to the selected objects, and mend what is wrong with the scene. One undo step each."""
+"""Apply a preset to the selected objects, mend the scene, and keep presets. What changes the file is one undo step."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import bpy
+from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...nodegroups.osl_script import OslError
-from .. import material, presets, scene
+from .. import material, preset_files, presets, scene
+from ..files import replacing
+from . import memory
+from .properties import chosen_preset
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 class VGROOVE_OT_apply(bpy.types.Operator):
@@ -31,17 +42,18 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         settings = context.scene.vgroove
         estimator = chosen_estimator(context.scene)
         try:
-            preset = presets.find(settings.preset)
+            preset = chosen_preset(settings)
             lamps = scene.lamps_to_bind(context.scene, estimator, preset.model)
             choice = material.Choice(settings.backend, estimator, lamps, bound=settings.bound / 100.0)
             made = material.build(preset, choice)
-        except (presets.PresetError, material.MaterialError, OslError) as error:
+        except (material.MaterialError, OslError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         count = material.apply(made, context.selected_objects)
         if not count:
             self.report({"WARNING"}, "None of the selected objects can have a material; select a mesh, curve or text")
             return {"CANCELLED"}
+        memory.used(preset.id)
         self.report(
             {"INFO"}, f"{made.name} ({estimator}, {settings.backend}) given to {count} object{'s' * (count > 1)}"
         )
@@ -75,6 +87,174 @@ class VGROOVE_OT_mend(bpy.types.Operator):
         return {"FINISHED"} if mendable else {"CANCELLED"}
 
 
+class VGROOVE_OT_favourite(bpy.types.Operator):
+    """Mark the chosen preset with a star, or take the star away."""
+
+    bl_idname = "vgroove.favourite"
+    bl_label = "Favourite"
+    bl_description = "Mark the chosen preset with a star, or take the star away"
+    bl_options = {"INTERNAL"}  # preferences have no undo
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        if memory.preferences() is None:
+            cls.poll_message_set("Favourites are kept with the installed extension's preferences")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        memory.toggle_favourite(chosen_preset(context.scene.vgroove).id)
+        return {"FINISHED"}
+
+
+class VGROOVE_OT_copy_citation(bpy.types.Operator):
+    """Copy where the numbers of the chosen preset come from."""
+
+    bl_idname = "vgroove.copy_citation"
+    bl_label = "Copy Citation"
+    bl_description = "Copy where the numbers of the chosen preset come from, to paste into a text"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        context.window_manager.clipboard = citation(chosen_preset(context.scene.vgroove))
+        self.report({"INFO"}, "Copied the citation")
+        return {"FINISHED"}
+
+
+class VGROOVE_OT_reset(bpy.types.Operator):
+    """Give the active material the preset's own numbers again."""
+
+    bl_idname = "vgroove.reset"
+    bl_label = "Reset to Preset"
+    bl_description = "Give the active material the preset's own numbers again"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _poll_ours(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        material.reset(ours(context))
+        return {"FINISHED"}
+
+
+class VGROOVE_OT_save_preset(bpy.types.Operator):
+    """Keep the active material's numbers as a preset of one's own."""
+
+    bl_idname = "vgroove.save_preset"
+    bl_label = "Save as My Preset"
+    bl_description = "Keep the active material's numbers as a preset of your own, in your folder; it is offered at once"
+    bl_options = {"REGISTER"}  # writes a file: nothing in the scene to undo
+
+    name: bpy.props.StringProperty(name="Name", description="What the preset is to be called", maxlen=60)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _poll_folder(cls) and _poll_ours(cls, context)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        self.name = f"My {material.origin_of(ours(context)).preset.name}"[:60]
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        made = ours(context)
+        preset = material.origin_of(made).preset
+        known = presets.all_presets().get(preset.id)
+        source = dict(preset.source)
+        if material.is_edited(made):
+            source |= {"data": f"edited from {preset.id}, whose source is: {source['data']}"}
+        kept = replace(preset, name=self.name, source=source, tags=known.tags if known else ())
+        return _keep(self, context, lambda folder: preset_files.save(kept, folder))
+
+
+class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
+    """Copy a preset's file into one's own folder."""
+
+    bl_idname = "vgroove.import_preset"
+    bl_label = "Import Preset"
+    bl_description = "Copy a preset's file into your own folder; it is offered at once"
+    bl_options = {"REGISTER"}
+
+    filename_ext = ".toml"
+    filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        return _poll_folder(cls)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        return _keep(self, context, lambda folder: preset_files.take(Path(self.filepath), folder))
+
+
+class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
+    """Write the chosen preset to a file."""
+
+    bl_idname = "vgroove.export_preset"
+    bl_label = "Export Preset"
+    bl_description = "Write the chosen preset to a file, to send or to change"
+    bl_options = {"REGISTER"}
+
+    filename_ext = ".toml"
+    filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self.filepath = f"{preset_files.file_name(chosen_preset(context.scene.vgroove).name)}.toml"
+        return ExportHelper.invoke(self, context, event)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        path = Path(self.filepath)
+        try:
+            with replacing(path) as temporary:
+                temporary.write_text(preset_files.dumps(chosen_preset(context.scene.vgroove)), encoding="utf-8")
+        except OSError as error:
+            self.report({"ERROR"}, f"{path} cannot be written: {error.strerror or error}")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Wrote {path}")
+        return {"FINISHED"}
+
+
+def _keep(operator: bpy.types.Operator, context: bpy.types.Context, keep: Callable[[Path], presets.Preset]) -> set[str]:
+    """Have a preset put into the user's folder, and choose it."""
+    folder = presets.user_folder()
+    try:
+        kept = keep(folder) if folder else None
+    except (presets.PresetError, OSError) as error:
+        operator.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+    if kept is None:
+        return {"CANCELLED"}
+    context.scene.vgroove.preset = kept.id
+    operator.report({"INFO"}, f"{kept.name} is kept in {folder}")
+    return {"FINISHED"}
+
+
+def _poll_folder(operator: type[bpy.types.Operator]) -> bool:
+    if presets.user_folder() is None:
+        operator.poll_message_set("Needs a folder of your own: install the extension, or set VGROOVE_PRESETS")
+        return False
+    return True
+
+
+def _poll_ours(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    if ours(context) is None:
+        operator.poll_message_set("Select an object whose active material came from this panel")
+        return False
+    return True
+
+
+def ours(context: bpy.types.Context) -> bpy.types.Material | None:
+    """The active object's active material, if it came from a preset and can be edited."""
+    item = context.object
+    made = item.active_material if item else None
+    return made if made and material.KEY in made and made.library is None else None
+
+
+def citation(preset: presets.Preset) -> str:
+    """One line: what it is, and where its numbers come from."""
+    licence = f" ({preset.source['licence']})" if "licence" in preset.source else ""
+    return f"{preset.name} [{preset.id}]: {preset.source['data']}{licence}."
+
+
 def chosen_estimator(shown: bpy.types.Scene) -> str:
     """The panel's estimator, with ``auto`` decided."""
     return chosen(shown).estimator
@@ -84,14 +264,23 @@ def chosen(shown: bpy.types.Scene) -> scene.Pick:
     """The panel's estimator and, where ``auto`` picked it, why."""
     if shown.vgroove.estimator != "auto":
         return scene.Pick(shown.vgroove.estimator, "")
-    preset = presets.find(shown.vgroove.preset)
+    preset = chosen_preset(shown.vgroove)
     return scene.pick(shown, preset.m, preset.model, shown.vgroove.backend)
 
 
 def current_problems(shown: bpy.types.Scene) -> list[scene.Problem]:
     """What is wrong with the scene for the panel's choices."""
-    preset = presets.find(shown.vgroove.preset)
+    preset = chosen_preset(shown.vgroove)
     return scene.problems_with(shown, preset, shown.vgroove.backend, chosen_estimator(shown))
 
 
-CLASSES = (VGROOVE_OT_apply, VGROOVE_OT_mend)
+CLASSES = (
+    VGROOVE_OT_apply,
+    VGROOVE_OT_mend,
+    VGROOVE_OT_favourite,
+    VGROOVE_OT_copy_citation,
+    VGROOVE_OT_reset,
+    VGROOVE_OT_save_preset,
+    VGROOVE_OT_import_preset,
+    VGROOVE_OT_export_preset,
+)

@@ -6,8 +6,8 @@ from __future__ import annotations
 import blf
 import bpy
 
-from .. import presets
-from . import operators
+from .. import material, presets
+from . import memory, operators, properties
 from .preferences import ROOT
 
 
@@ -23,8 +23,9 @@ class VGROOVE_PT_material(bpy.types.Panel):
         settings, layout = context.scene.vgroove, self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
+        preset = properties.chosen_preset(settings)
+        draw_choice(layout, settings, preset)
         column = layout.column()
-        column.prop(settings, "preset")
         column.row().prop(settings, "backend", expand=True)
         column.prop(settings, "estimator")
         picked = operators.chosen(context.scene)
@@ -38,8 +39,62 @@ class VGROOVE_PT_material(bpy.types.Panel):
         row.operator("vgroove.apply", icon="MATERIAL")
         if picked.why:
             lines(layout, f"{picked.estimator.title()}: {picked.why}", context.region.width)
-        source = presets.find(settings.preset).source
-        lines(layout, f"Source: {source['data']}", context.region.width)
+        for error in presets.refused()[:1]:
+            lines(layout, f"Left out of your presets: {error}", context.region.width, icon="ERROR")
+
+
+class VGROOVE_PT_parameters(bpy.types.Panel):
+    """The numbers of the active object's material."""
+
+    bl_label = "Edit Parameters"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "V-Groove"
+    bl_parent_id = "VGROOVE_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, made = self.layout, operators.ours(context)
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        if made is None:
+            lines(layout, "Apply a preset; what it is made of can then be changed here", context.region.width)
+            return
+        layout.label(text=made.name, icon="MATERIAL")
+        column = layout.column()
+        for socket in material.parameter_sockets(made).values():
+            if not socket.is_linked:
+                column.prop(socket, "default_value", text=socket.name)
+        row = layout.row()
+        row.enabled = material.is_edited(made)
+        row.operator("vgroove.reset", icon="LOOP_BACK")
+        layout.operator("vgroove.save_preset", icon="FILE_TICK")
+
+
+class VGROOVE_PT_source(bpy.types.Panel):
+    """Where the chosen preset's numbers come from."""
+
+    bl_label = "Source"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "V-Groove"
+    bl_parent_id = "VGROOVE_PT_material"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, preset = self.layout, properties.chosen_preset(context.scene.vgroove)
+        width = context.region.width
+        lines(layout, f"Source: {preset.source['data']}", width)
+        if "trust" in preset.source:
+            lines(layout, f"Trust: {preset.source['trust']}", width)
+        if preset.notes:
+            lines(layout, preset.notes, width)
+        if preset.m_range:
+            low, high = preset.m_range
+            lines(layout, f"Slopes m that suit it: {low:g} to {high:g}", width)
+        layout.operator("vgroove.copy_citation", icon="COPYDOWN")
+        row = layout.row(align=True)
+        row.operator("vgroove.import_preset", text="Import", icon="IMPORT")
+        row.operator("vgroove.export_preset", text="Export", icon="EXPORT")
 
 
 class VGROOVE_PT_advice(bpy.types.Panel):
@@ -66,6 +121,22 @@ class VGROOVE_PT_advice(bpy.types.Panel):
             lines(box, problem.text, context.region.width, icon="ERROR")
             if problem.mend:
                 box.operator("vgroove.mend", text=problem.button).key = problem.key
+
+
+def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, preset: presets.Preset) -> None:
+    """The filter, and the presets that pass it as pictures to choose from."""
+    column = layout.column(align=True)
+    column.use_property_split = False
+    column.prop(settings, "family", text="")
+    column.prop(settings, "search", text="", icon="VIEWZOOM")
+    column.template_icon_view(settings, "shown", show_labels=True, scale=7.0, scale_popup=5.0)
+    row = column.row(align=True)
+    row.prop(settings, "shown", text="")
+    star = "SOLO_ON" if preset.id in memory.favourites() else "SOLO_OFF"
+    row.operator("vgroove.favourite", text="", icon=star)
+    count = len(properties.found(settings))
+    if not count:
+        column.label(text="No preset is like that; choose All or clear the search", icon="INFO")
 
 
 def lines(layout: bpy.types.UILayout, text: str, width: int, icon: str = "NONE") -> None:
@@ -95,4 +166,4 @@ def wrapped(text: str, room: float, scale: float) -> list[str]:
     return rows
 
 
-CLASSES = (VGROOVE_PT_material, VGROOVE_PT_advice)
+CLASSES = (VGROOVE_PT_material, VGROOVE_PT_advice, VGROOVE_PT_parameters, VGROOVE_PT_source)

@@ -5,11 +5,35 @@ from __future__ import annotations
 
 import bpy
 
+from .. import assets
+
 ROOT = __package__.removesuffix(".addon.ui")
 
 
+class VGROOVE_OT_asset_library(bpy.types.Operator):
+    """Add the materials to Blender's asset libraries, or take them out again."""
+
+    bl_idname = "vgroove.asset_library"
+    bl_label = "Asset Library"
+    bl_description = "Add all materials to Blender's asset libraries, or take them out; what was appended stays"
+    bl_options = {"REGISTER", "INTERNAL"}  # preferences have no undo
+
+    shown: bpy.props.BoolProperty(name="Shown", description="Whether the Asset Browser shows the materials")
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        try:
+            (assets.register_library if self.shown else assets.unregister_library)()
+        except FileNotFoundError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        bpy.context.preferences.is_dirty = True
+        where = "is in the Asset Browser now" if self.shown else "is no longer in the Asset Browser"
+        self.report({"INFO"}, f'The library "{assets.NAME}" {where}')
+        return {"FINISHED"}
+
+
 class VGroovePreferences(bpy.types.AddonPreferences):
-    """What the panel offers at first."""
+    """What the panel offers at first, and what an artist liked."""
 
     bl_idname = ROOT
 
@@ -18,9 +42,19 @@ class VGroovePreferences(bpy.types.AddonPreferences):
         description="List in the panel what keeps the chosen estimator from rendering as it should",
         default=True,
     )
+    favourites: bpy.props.StringProperty(
+        name="Favourites", description="Presets marked with a star, by id", options={"HIDDEN"}
+    )
+    recent: bpy.props.StringProperty(name="Recent", description="Presets applied last, by id", options={"HIDDEN"})
 
     def draw(self, _context: bpy.types.Context) -> None:
-        self.layout.prop(self, "show_advice")
+        column = self.layout.column()
+        column.prop(self, "show_advice")
+        there = assets.registered() is not None
+        text = "Remove from the Asset Browser" if there else "Show in the Asset Browser"
+        column.operator("vgroove.asset_library", text=text, icon="ASSET_MANAGER").shown = not there
+        if assets.folder() is None:
+            column.label(text="This copy came without its asset library", icon="INFO")
 
 
-CLASSES = (VGroovePreferences,)
+CLASSES = (VGROOVE_OT_asset_library, VGroovePreferences)

@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import zlib
+from collections import Counter
+
 import bpy
 
 from .. import presets
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
+from . import memory, thumbnails
 
 BACKENDS = (
     (
@@ -48,7 +52,16 @@ ESTIMATORS = (
     ("direct", "Direct", "Exact and free of noise, for the eight strongest lamps alone: no world, no reflections", 3),
 )
 
-_items: list[tuple[str, str, str, int]] = []  # Blender keeps no reference to the texts of a dynamic enum
+ALL, FAVOURITES, RECENT = "ALL", "FAVOURITES", "RECENT"
+FIRST = "lecture/copper"
+Item = tuple[str, str, str, int, int]
+_families: list[Item] = []  # Blender keeps no reference to the texts of a dynamic enum
+_shown: list[Item] = []
+
+
+def number(name: str) -> int:
+    """What Blender stores in place of a name: the same in every file, whatever other presets there are."""
+    return zlib.crc32(name.encode()) & 0x7FFFFFFF
 
 
 def _tip(preset: presets.Preset) -> str:
@@ -57,18 +70,70 @@ def _tip(preset: presets.Preset) -> str:
     return f"{what}{preset.name.lower()}: {numbers}. Source: {preset.source['data']}. {preset.notes}".strip()
 
 
-def preset_items(_self: object, _context: object) -> list[tuple[str, str, str, int]]:
-    """Enum items of all presets, read from disk once."""
-    if not _items:
-        found = sorted(presets.all_presets().values(), key=lambda p: (p.family != presets.FIRST_FAMILY, p.id))
-        _items.extend((p.id, f"{p.name} ({p.family})", _tip(p), i) for i, p in enumerate(found))
-    return _items
+def family_items(_self: object, _context: object) -> list[Item]:
+    """All, the user's favourites and recent ones, and each family with its number of presets."""
+    counts = Counter(preset.family for preset in presets.all_presets().values())
+    rows = [
+        (ALL, "All", "Every preset", "NONE"),
+        (FAVOURITES, "Favourites", "Those that you marked with a star", "SOLO_ON"),
+        (RECENT, "Recently Used", "Those that you applied last", "TIME"),
+    ]
+    for family in sorted(counts, key=lambda one: (one != presets.FIRST_FAMILY, one)):
+        title = family.replace("_", " ").title()
+        rows.append((family, f"{title} ({counts[family]})", f"Presets of the family {title}", "NONE"))
+    icons = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items
+    _families[:] = [(name, label, tip, icons[icon].value, number(name)) for name, label, tip, icon in rows]
+    return _families
+
+
+def found(settings: VGrooveSettings) -> list[presets.Preset]:
+    """The presets of the chosen family whose id, name or tags hold every word of the search."""
+    hits = sorted(presets.search(settings.search), key=lambda p: (p.family != presets.FIRST_FAMILY, p.id))
+    if settings.family in {FAVOURITES, RECENT}:
+        ids = memory.favourites() if settings.family == FAVOURITES else memory.recent()
+        return sorted((p for p in hits if p.id in ids), key=lambda p: ids.index(p.id))
+    return [p for p in hits if settings.family in {ALL, p.family}]
+
+
+def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
+    """The panel's preset; the first one where the .blend names one that this installation does not have."""
+    known = presets.all_presets()
+    return known.get(settings.preset) or known[FIRST]
+
+
+def shown_items(settings: VGrooveSettings, _context: object) -> list[Item]:
+    """Those found, each with its picture, and the chosen one, which is never lost to a search."""
+    rows, chosen = found(settings), chosen_preset(settings)
+    rows = rows if chosen in rows else [chosen, *rows]
+    _shown[:] = [(p.id, p.name, _tip(p), thumbnails.icon(p), number(p.id)) for p in rows]
+    return _shown
+
+
+def _get_shown(settings: VGrooveSettings) -> int:
+    return number(chosen_preset(settings).id)
+
+
+def _set_shown(settings: VGrooveSettings, value: int) -> None:
+    settings.preset = next(identity for identity in presets.all_presets() if number(identity) == value)
 
 
 class VGrooveSettings(bpy.types.PropertyGroup):
     """What Apply will give to the selected objects."""
 
-    preset: bpy.props.EnumProperty(name="Preset", description="The material to apply", items=preset_items)
+    preset: bpy.props.StringProperty(
+        name="Preset", description="The material to apply, by id", default=FIRST, options={"HIDDEN"}
+    )
+    family: bpy.props.EnumProperty(
+        name="Family", description="Which presets are offered", items=family_items, default=number(presets.FIRST_FAMILY)
+    )
+    search: bpy.props.StringProperty(
+        name="Search",
+        description="Words that a preset's id, name or tags must hold, such as: gold satin",
+        options={"TEXTEDIT_UPDATE"},
+    )
+    shown: bpy.props.EnumProperty(
+        name="Preset", description="The material to apply", items=shown_items, get=_get_shown, set=_set_shown
+    )
     backend: bpy.props.EnumProperty(
         name="Backend", description="What the material is built of", items=BACKENDS, default="nodes"
     )
