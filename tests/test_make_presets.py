@@ -147,7 +147,9 @@ def test_reflectance_of_translucent_bodies_is_near_the_published(name):
 
 @pytest.mark.parametrize("preset", all_presets().values(), ids=lambda preset: preset.id)
 def test_f0_that_a_preset_says_is_verified_is_the_references(preset):
-    """To the six digits in the file, half of the last of which is at most 5e-6."""
+    """To the six digits in the file, half of the last of which is at most 5e-6. All say so that have one slope."""
+    assert (preset.m_range is not None) == ("f0" in preset.verified) == ("m" in preset.parameters)
+    assert preset.source["trust"]
     if "f0" in preset.verified:
         model = preset.reference()
         head_on = model.fresnel(1.0) if isinstance(model, Glass) else fresnel_of(preset)(1.0)

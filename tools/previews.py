@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 FOLDER = Path(__file__).parent.parent / "previews"
-PIXELS, SAMPLES, QUALITY = 256, 16, 85
+PIXELS, SAMPLES, QUALITY = 256, 12, 85
 CM = 0.01
 SEGMENTS = 96
 
