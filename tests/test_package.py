@@ -14,6 +14,9 @@ import pytest
 pytestmark = pytest.mark.blender
 ROOT = Path(__file__).parent.parent
 
+# As Blender runs: modules once compiled are kept so.
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+
 INSTALL = """
 import json, pathlib, sys
 import bpy, addon_utils
@@ -45,6 +48,21 @@ print("RESULT", json.dumps({"states": states, "material": mesh.active_material.n
     "warnings": {key: list(value) for key, value in warnings.items()}, "path": module.__file__,
     "root": sys.modules[name + ".addon.ui.preferences"].ROOT}))
 """
+
+
+def in_a_new_blender(script, folder, *arguments):
+    """What a script prints as its result where Blender has no settings and there is no vgroove to import."""
+    script = "import sys; sys.modules['vgroove'] = None\n" + script
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        env=ENVIRONMENT | {"BLENDER_USER_RESOURCES": str(folder)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
+    assert line, done.stdout + done.stderr
+    return json.loads(line.removeprefix("RESULT ")), done.stderr
 
 
 @pytest.fixture(scope="module")
@@ -87,16 +105,7 @@ def test_no_module_of_the_extension_touches_what_blender_refuses(archive):
 
 def test_the_zip_installs_enables_and_applies_without_a_warning(archive, tmp_path):
     """In a Blender with no settings: enabled, applied, marked and kept, off and on again, no policy warning."""
-    done = subprocess.run(
-        [sys.executable, "-c", "import sys; sys.modules['vgroove'] = None\n" + INSTALL, str(archive)],
-        env={**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
-    assert line, done.stdout + done.stderr
-    result = json.loads(line.removeprefix("RESULT "))
+    result, errors = in_a_new_blender(INSTALL, tmp_path, archive)
     assert result["states"] == [True, False, True]
     assert result["done"] == ["FINISHED"]
     assert result["material"] == "Copper (Mirror)"
@@ -109,4 +118,50 @@ def test_the_zip_installs_enables_and_applies_without_a_warning(archive, tmp_pat
     assert ".user/user_default/vgroove/presets/" in kept
     assert result["path"].startswith(str(tmp_path))
     assert result["root"] == "bl_ext.user_default.vgroove"
-    assert "Traceback" not in done.stderr
+    assert "Traceback" not in errors
+
+
+# Speed
+
+REGISTER = """
+import json, sys, time
+import bpy, addon_utils
+addon_utils.enable("bl_pkg", default_set=True)
+seconds, opened = {}, []
+for path in sys.argv[1:]:
+    bpy.ops.extensions.package_install_files(filepath=path, repo="user_default", enable_on_install=False)
+sys.addaudithook(lambda event, arguments: opened.append(str(arguments[0])) if event == "open" else None)
+for name in ("empty", "vgroove"):
+    start = time.perf_counter()
+    addon_utils.enable(f"bl_ext.user_default.{name}")
+    seconds[name] = time.perf_counter() - start
+print("RESULT", json.dumps({"seconds": seconds, "opened": opened}))
+"""
+
+
+def empty_extension(folder):
+    """A zip with an extension that does nothing."""
+    path = folder / "empty.zip"
+    with zipfile.ZipFile(path, "w") as file:
+        manifest = (ROOT / "blender_manifest.toml").read_text(encoding="utf-8").split("[build]")[0]
+        file.writestr("blender_manifest.toml", manifest.replace('id = "vgroove"', 'id = "empty"'))
+        file.writestr("__init__.py", "def register():\n    pass\n\n\ndef unregister():\n    pass\n")
+    return path
+
+
+def test_switching_it_on_reads_no_preset_and_no_picture(archive, tmp_path):
+    """And takes at most twice NumPy's import longer than an empty extension.
+
+    NumPy, which Blender has imported by then, stands for the speed of the machine: some 0.05 s where nothing else runs,
+    so this is 0.1 s there. The least of four of each, as other work only ever adds, and the first compiles what it reads.
+    """
+    empty, ours, peer = [], [], []
+    for run in range(4):
+        install = [] if run else [empty_extension(tmp_path), archive]
+        result, _ = in_a_new_blender(REGISTER, tmp_path / "user", *install)
+        assert not [path for path in result["opened"] if "/presets/" in path or path.endswith(".webp")]
+        empty.append(result["seconds"]["empty"])
+        ours.append(result["seconds"]["vgroove"])
+        importing = "import time; start = time.perf_counter(); import numpy; print(time.perf_counter() - start)"
+        peer.append(float(subprocess.check_output([sys.executable, "-c", importing], env=ENVIRONMENT)))
+    assert min(ours) - min(empty) < 2.0 * min(peer)

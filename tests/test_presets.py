@@ -2,12 +2,14 @@
 """Presets: the lecture's six to the digit, and one clear line for whatever is wrong with a file."""
 
 import re
+import time
+import tomllib
 
 import numpy as np
 import pytest
 
 from vgroove.addon import presets
-from vgroove.addon.presets import RANGES, PresetError, all_presets, find, load, load_folder, parse
+from vgroove.addon.presets import FOLDER, RANGES, PresetError, all_presets, find, load, load_folder, parse
 from vgroove.addon.reference import Glass, OrenNayar, albedo, spherical
 
 GOOD = 'name = "A"\nmodel = "cook_torrance"\nm = 0.3\n[fresnel]\nf0 = [0.9, 0.6, 0.5]\n[source]\ndata = "somewhere"\n'
@@ -182,3 +184,21 @@ def test_the_whitest_rough_surface_sends_back_no_more_than_arrives(kind):
         preset = parse(ROUGH.replace("sigma", f'kind = "{kind}"\nsigma'), "a/r", "r")
         white = preset.with_parameters(albedo=RANGES["albedo"][1], sigma=sigma).reference()
         assert np.max(albedo(white, wo)) <= 1.0
+
+
+def test_all_presets_are_read_in_little_more_than_their_toml_takes():
+    """At most three times as long: 0.3 s where nothing else runs would be ten times. The least of five of each."""
+
+    def least(work):
+        seconds = []
+        for _ in range(5):
+            start = time.perf_counter()
+            work()
+            seconds.append(time.perf_counter() - start)
+        return min(seconds)
+
+    def toml_alone():
+        for path in FOLDER.glob("*/*.toml"):
+            tomllib.loads(path.read_text(encoding="utf-8"))
+
+    assert least(lambda: load_folder(FOLDER)) < 3.0 * least(toml_alone)

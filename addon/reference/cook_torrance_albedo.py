@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval2d
 
 from .cook_torrance_fit import grazing
 from .directions import TANGENT, as_directions, as_range
@@ -47,7 +46,9 @@ def facets(wo: ArrayLike, m: ArrayLike) -> tuple[Floats, Floats]:
     wo, m = as_directions(wo, "wo"), as_range(m, "m", 0.0, 1.0)
     x, m = np.broadcast_arrays(grazing(wo, m), m)
     powers = (np.moveaxis(table()[name], 0, -1) for name in ("cosine", "weight"))
-    cosine, weight = (np.moveaxis(polyval2d(2.0 * x - 1.0, 2.0 * m - 1.0, c), 0, -1) for c in powers)
+    cosine, weight = (
+        np.moveaxis(np.polynomial.polynomial.polyval2d(2.0 * x - 1.0, 2.0 * m - 1.0, c), 0, -1) for c in powers
+    )
     return np.maximum(weight, 0.0), np.clip(wo[..., 2:] + m[..., None] * cosine, 0.0, 1.0)
 
 

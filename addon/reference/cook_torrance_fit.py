@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 
 from . import hybrid
 from .cook_torrance import cook_torrance
@@ -65,7 +64,10 @@ def table() -> dict[str, Floats]:
 def polynomial(coefficients: Floats, x: Floats, m: Floats) -> Floats:
     """Sum of c[..., j, k] T_j(2x - 1) T_k(2m - 1); x and m (...), the result (..., lobes)."""
     sizes = coefficients.shape[-2:]
-    of_x, of_m = (chebvander(2.0 * v - 1.0, n - 1).reshape(*v.shape, n) for v, n in zip((x, m), sizes, strict=True))
+    of_x, of_m = (
+        np.polynomial.chebyshev.chebvander(2.0 * v - 1.0, n - 1).reshape(*v.shape, n)
+        for v, n in zip((x, m), sizes, strict=True)
+    )
     products = np.einsum("...j,...k->...jk", of_x, of_m)
     return np.einsum("...jk,ljk->...l", products, coefficients)
 

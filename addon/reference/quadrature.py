@@ -11,7 +11,6 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
 from .directions import TANGENT, add_product, as_directions, as_positive
 from .fresnel import Dielectric, fresnel_dielectric
@@ -19,6 +18,7 @@ from .fresnel import Dielectric, fresnel_dielectric
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from numpy.polynomial import Polynomial
     from numpy.typing import ArrayLike
 
     from .directions import Floats
@@ -183,6 +183,7 @@ def _refraction_outer_edges(vx: float, vz: float, m: float, e: float, kinks: Seq
     low, high = (max(-1.0 / t, -REACH * m) if t > 0 else -REACH * m), REACH * m
     far = t + np.sqrt(t * t + 1.0)
     edges = [low, high, -1.0 / far, far, *_outer_kinks(vx, vz, m, kinks)]
+    Polynomial = np.polynomial.Polynomial
     A, y = Polynomial([vz, vx]), Polynomial([1.0, 0.0, 1.0])  # y at q = 0
     for b in (A, A - 2.0 * vz, Polynomial([0.0])):
         k0, k1, k2 = _shadow_terms(A, b, vz, e)
