@@ -152,8 +152,8 @@ def empty_extension(folder):
 def test_switching_it_on_reads_no_preset_and_no_picture(archive, tmp_path):
     """And takes at most twice NumPy's import longer than an empty extension.
 
-    NumPy, which Blender has imported by then, stands for the speed of the machine: some 0.05 s where nothing else runs,
-    so this is 0.1 s there. The least of four of each, as other work only ever adds, and the first compiles what it reads.
+    NumPy, which Blender has imported by then, stands for the speed of the machine: some 0.05 s where nothing else
+    runs, so this is 0.1 s there. The least of four of each: other work only ever adds, and the first run compiles.
     """
     empty, ours, peer = [], [], []
     for run in range(4):
