@@ -231,7 +231,7 @@ def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
 
 
 def test_pictures_are_read_when_they_are_drawn(extension, tmp_path, monkeypatch):
-    """Each once; one that is not there leaves no icon. (Without a window Blender gives none a number.)"""
+    """Each once, a little later; one that is not there leaves no icon. (Without a window no icon has a number.)"""
     from vgroove.addon.presets import find
     from vgroove.addon.ui import thumbnails
 
@@ -240,10 +240,19 @@ def test_pictures_are_read_when_they_are_drawn(extension, tmp_path, monkeypatch)
     assert thumbnails.icon(find("gems/diamond")) == 0
     assert not pictures
     (tmp_path / "gems").mkdir()
-    (tmp_path / "gems" / "diamond.webp").touch()
-    thumbnails.icon(find("gems/diamond"))
+    image = extension.data.images.new("Picture", 8, 8)
+    image.file_format, image.filepath_raw = "WEBP", str(tmp_path / "gems" / "diamond.webp")
+    image.save()
+    for _ in range(2):
+        thumbnails.icon(find("gems/diamond"))
     assert set(pictures) == {"gems/diamond"}
+    assert thumbnails._waiting == ["gems/diamond"]
+    assert extension.app.timers.is_registered(thumbnails._read_some)
+    assert thumbnails._read_some() is None  # as Blender's timer does, when it has time
+    assert not thumbnails._waiting
+    assert min(pictures["gems/diamond"].image_size) >= 8
     thumbnails.icon(find("gems/diamond"))
+    assert not thumbnails._waiting
 
 
 # Editing

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of presets as Blender's icons. Each is read from disk when it is first drawn."""
+"""Pictures of presets as Blender's icons, read a few at a time once something asks for them.
+
+Blender reads the picture of a button by itself, but not those of a grid that pops up.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,9 @@ if TYPE_CHECKING:
     from ..presets import Preset
 
 FOLDER = Path(__file__).parent.parent.parent / "previews"
+AT_ONCE, PAUSE = 16, 0.02  # pictures (some 2 ms each), seconds: the window stays responsive
 _pictures: list[Any] = []  # the one collection, while the extension is switched on
+_waiting: list[str] = []  # ids whose picture is not read yet
 
 
 def register() -> None:
@@ -22,14 +27,31 @@ def register() -> None:
 
 def unregister() -> None:
     """Give the pictures back."""
+    _waiting.clear()
+    if bpy.app.timers.is_registered(_read_some):
+        bpy.app.timers.unregister(_read_some)
     bpy.utils.previews.remove(_pictures.pop())
 
 
 def icon(preset: Preset) -> int:
-    """The icon of a preset's picture; 0, none, where there is no picture of it."""
+    """The icon of a preset's picture, which may be read later; 0, none, where there is no picture of it."""
     pictures, path = _pictures[0], FOLDER / f"{preset.id}.webp"
     if preset.id not in pictures:
         if not path.is_file():
             return 0
         pictures.load(preset.id, str(path), "IMAGE")
+        _waiting.append(preset.id)
+        if not bpy.app.timers.is_registered(_read_some):
+            bpy.app.timers.register(_read_some, first_interval=PAUSE)
     return int(pictures[preset.id].icon_id)
+
+
+def _read_some() -> float | None:
+    """Called by Blender until nothing waits."""
+    for _ in range(min(AT_ONCE, len(_waiting))):
+        _ = _pictures[0][_waiting.pop(0)].image_size[0]  # to ask for the size reads the file
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+    return PAUSE if _waiting else None
