@@ -39,7 +39,8 @@ def catalog(family: str) -> uuid.UUID:
 
 def catalogs(families: Iterable[str]) -> str:
     """blender_assets.cats.txt: a catalog a family below one of our own."""
-    lines = [f"{catalog(family)}:V-Groove/{title(family)}:V-Groove-{title(family)}" for family in sorted(families)]
+    lines = [f"{CATALOGS}:V-Groove:V-Groove"]
+    lines += [f"{catalog(family)}:V-Groove/{title(family)}:V-Groove-{title(family)}" for family in sorted(families)]
     return "VERSION 1\n\n" + "\n".join(lines) + "\n"
 
 
