@@ -4,9 +4,10 @@
     name = "Copper"                 # what artists see
     model = "cook_torrance"         # opaque: reflection alone
     m = 0.3                         # RMS facet slope; 0 is a plain smooth interface
+    m_range = [0.02, 0.5]           # slopes that suit it; may be left out, as may tags, notes, trust and [verified]
+    tags = ["metal"]
     [fresnel]                       # one of: f0 (RGB); f0 and f82_tint (RGB); eta; n and k (RGB)
     f0 = [0.95, 0.64, 0.54]
-    m_range = [0.02, 0.5]           # recommended; may be left out, as the rest below
     [source]
     data = "author, year, table"    # where every number comes from
     trust = "what is measured and what is chosen"

@@ -3,9 +3,12 @@
 
 import doctest
 import re
+import textwrap
 from pathlib import Path
 
 import pytest
+
+from vgroove.addon import presets
 
 ROOT = Path(__file__).parent.parent
 PAGES = ["README.md", "CONTRIBUTING.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").glob("*.md"))]
@@ -49,3 +52,11 @@ def test_automatic_is_within_ten_percent_of_the_best():
         errors = [float(cell.strip("*").split()[0]) for cell in row[2:]]
         (picked,) = (error for error, cell in zip(errors, row[2:], strict=True) if cell.startswith("**"))
         assert picked <= 1.1 * min(errors), row
+
+
+def test_the_preset_that_is_shown_as_an_example_holds():
+    """And so does the one at the top of the module."""
+    (shown,) = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "presets.md").read_text(encoding="utf-8"), re.DOTALL)
+    (other,) = re.findall(r"checked\.\n\n(.*?)\n\nOther models", presets.__doc__, re.DOTALL)
+    assert presets.parse(shown, "mine/old_bronze", "example").tags == ("metal", "alloy")
+    assert presets.parse(textwrap.dedent(other), "mine/copper", "example").m_range == (0.02, 0.5)
