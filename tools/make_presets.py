@@ -73,7 +73,19 @@ NOTES = {
     "silk (Bombyx mori)": "The index of the fibre's substance, not of cloth.",
     "cellulose": "The index of the fibre's substance, not of paper.",
     "liquid argon 90 K": "At 90 K, where it is liquid.",
+    "polyimide (Kapton)": "Absorption is known from 480 nm on and held below: the strong one of violet is missing.",
+    "oleic acid": "Measured on droplets; the bulk liquid is usually given 0.01 less.",
 }
+EDGE_OF_BAND = "The absorption edge is near: blue is uncertain."
+PRINCIPAL = "One of two principal indices of a crystal that splits light; unpolarised light sees about their mean."
+NOTES |= dict.fromkeys(("rutile", "rutile (extraordinary)", "zincite ZnO", "tausonite SrTiO3"), EDGE_OF_BAND)
+for name in constants():
+    if name.startswith("soot "):
+        NOTES[name] = "Effective values of a layer of particles, not of a polished solid."
+    ordinary = name.removesuffix(" (extraordinary)")
+    if ordinary != name:
+        for one in {ordinary, name} & set(constants()):
+            NOTES[one] = f"{PRINCIPAL} {NOTES.get(one, '')}".strip()
 HEAD = preset_files.HEAD + "# Made by tools/make_presets.py\n"
 
 
