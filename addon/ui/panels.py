@@ -11,13 +11,16 @@ from . import memory, operators, properties
 from .preferences import ROOT
 
 
-class VGROOVE_PT_material(bpy.types.Panel):
-    """Choose a preset and apply it."""
-
-    bl_label = "V-Groove Material"
+class _InSidebar:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "V-Groove"
+
+
+class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
+    """Choose a preset and apply it."""
+
+    bl_label = "V-Groove Material"
 
     def draw(self, context: bpy.types.Context) -> None:
         settings, layout = context.scene.vgroove, self.layout
@@ -43,13 +46,10 @@ class VGROOVE_PT_material(bpy.types.Panel):
             lines(layout, f"Left out of your presets: {error}", context.region.width, icon="ERROR")
 
 
-class VGROOVE_PT_parameters(bpy.types.Panel):
+class VGROOVE_PT_parameters(_InSidebar, bpy.types.Panel):
     """The numbers of the active object's material."""
 
     bl_label = "Edit Parameters"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "V-Groove"
     bl_parent_id = "VGROOVE_PT_material"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -71,13 +71,10 @@ class VGROOVE_PT_parameters(bpy.types.Panel):
         layout.operator("vgroove.save_preset", icon="FILE_TICK")
 
 
-class VGROOVE_PT_source(bpy.types.Panel):
+class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
     """Where the chosen preset's numbers come from."""
 
     bl_label = "Source"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "V-Groove"
     bl_parent_id = "VGROOVE_PT_material"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -97,13 +94,10 @@ class VGROOVE_PT_source(bpy.types.Panel):
         row.operator("vgroove.export_preset", text="Export", icon="EXPORT")
 
 
-class VGROOVE_PT_advice(bpy.types.Panel):
+class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
     """What keeps the chosen estimator from rendering as it should."""
 
     bl_label = "Scene Advice"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "V-Groove"
     bl_parent_id = "VGROOVE_PT_material"
 
     @classmethod

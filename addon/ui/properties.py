@@ -88,11 +88,12 @@ def family_items(_self: object, _context: object) -> list[Item]:
 
 def found(settings: VGrooveSettings) -> list[presets.Preset]:
     """The presets of the chosen family whose id, name or tags hold every word of the search."""
+    family = settings.family  # read once: Blender makes the list of families anew each time
     hits = sorted(presets.search(settings.search), key=lambda p: (p.family != presets.FIRST_FAMILY, p.id))
-    if settings.family in {FAVOURITES, RECENT}:
-        ids = memory.favourites() if settings.family == FAVOURITES else memory.recent()
+    if family in {FAVOURITES, RECENT}:
+        ids = memory.favourites() if family == FAVOURITES else memory.recent()
         return sorted((p for p in hits if p.id in ids), key=lambda p: ids.index(p.id))
-    return [p for p in hits if settings.family in {ALL, p.family}]
+    return [p for p in hits if family in {ALL, p.family}]
 
 
 def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
