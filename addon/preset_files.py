@@ -69,13 +69,13 @@ def save(preset: Preset, folder: Path) -> Preset:
     PresetError where it would not read back or a preset of that name is there already, OSError where the folder cannot
     be written. Nothing is ever overwritten.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{file_name(preset.name)}.toml"
     text = dumps(preset)
     held = presets.parse(text, f"{USER_FAMILY}/{path.stem}", path.name)
     if path.exists():
         message = f'there is a preset "{path.stem}" in {folder} already; give this one another name'
         raise PresetError(message)
+    folder.mkdir(parents=True, exist_ok=True)
     check_writable(path)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

@@ -296,7 +296,7 @@ _user_folders: list[Path] = []  # of the extension; in use where the environment
 def user_folder() -> Path | None:
     """Where the user's own presets are: the folder that ``VGROOVE_PRESETS`` names, else the extension's."""
     named = os.environ.get(USER_FOLDER)
-    return Path(named) if named else next(iter(_user_folders), None)
+    return Path(named).expanduser() if named else next(iter(_user_folders), None)
 
 
 def set_user_folder(folder: Path | None) -> None:

@@ -60,3 +60,7 @@ def test_the_preset_that_is_shown_as_an_example_holds():
     (other,) = re.findall(r"checked\.\n\n(.*?)\n\nOther models", presets.__doc__, re.DOTALL)
     assert presets.parse(shown, "mine/old_bronze", "example").tags == ("metal", "alloy")
     assert presets.parse(textwrap.dedent(other), "mine/copper", "example").m_range == (0.02, 0.5)
+
+
+def test_the_readme_says_how_many_presets_there_are():
+    assert f"\n{len(presets.shipped())} presets" in (ROOT / "README.md").read_text(encoding="utf-8")

@@ -57,6 +57,14 @@ def test_presets_of_the_user_do_not_stand_in_for_others(folder):
     assert find("copper") == COPPER
 
 
+def test_the_folder_may_be_below_ones_home(folder, monkeypatch):
+    (folder / "own").mkdir()
+    (folder / "own" / "my_copper.toml").write_text(named(m=0.5), encoding="utf-8")
+    monkeypatch.setenv("HOME", str(folder))
+    monkeypatch.setenv(presets.USER_FOLDER, "~/own")
+    assert find("mine/my_copper").m == 0.5
+
+
 def test_a_folder_that_is_not_there_is_said(folder, monkeypatch):
     monkeypatch.setenv(presets.USER_FOLDER, str(folder / "nowhere"))
     (error,) = presets.refused()
@@ -105,6 +113,11 @@ def test_a_preset_file_is_taken_in(folder, tmp_path_factory):
     with pytest.raises(PresetError, match="name must be a text"):
         preset_files.take(given_file, folder)
     assert [path.name for path in folder.iterdir()] == ["roof.toml"]
+    with pytest.raises(PresetError, match="name must be a text"):
+        preset_files.take(given_file, folder / "new")
+    assert not (folder / "new").exists()
+    given_file.write_text(named("Roof"), encoding="utf-8")
+    assert preset_files.take(given_file, folder / "new").id == "mine/roof"  # the folder is made when it is needed
 
 
 # Malformed files

@@ -140,7 +140,7 @@ def test_what_changes_the_file_is_undone(extension):
     """And what does not makes no step to undo."""
     from vgroove.addon.ui import operators
 
-    change = {"vgroove.apply", "vgroove.mend", "vgroove.reset"}
+    change = {"vgroove.apply", "vgroove.mend", "vgroove.reset", "vgroove.save_preset", "vgroove.import_preset"}
     assert {one.bl_idname for one in operators.CLASSES if "UNDO" in one.bl_options} == change
 
 

@@ -76,16 +76,8 @@ NOTES = {
     "polyimide (Kapton)": "Absorption is known from 480 nm on and held below: the strong one of violet is missing.",
     "oleic acid": "Measured on droplets; the bulk liquid is usually given 0.01 less.",
 }
-EDGE_OF_BAND = "The absorption edge is near: blue is uncertain."
 PRINCIPAL = "One of two principal indices of a crystal that splits light; unpolarised light sees about their mean."
-NOTES |= dict.fromkeys(("rutile", "rutile (extraordinary)", "zincite ZnO", "tausonite SrTiO3"), EDGE_OF_BAND)
-for name in constants():
-    if name.startswith("soot "):
-        NOTES[name] = "Effective values of a layer of particles, not of a polished solid."
-    ordinary = name.removesuffix(" (extraordinary)")
-    if ordinary != name:
-        for one in {ordinary, name} & set(constants()):
-            NOTES[one] = f"{PRINCIPAL} {NOTES.get(one, '')}".strip()
+NEAR_EDGE = {"rutile", "zincite ZnO", "tausonite SrTiO3"}  # of absorption
 HEAD = preset_files.HEAD + "# Made by tools/make_presets.py\n"
 
 
@@ -119,8 +111,21 @@ def described(family: str, material: str, model: str, extra: tuple[str, ...] = (
     """What opens each file: name, model, tags, notes."""
     tags = [*TAGS[family], *extra]
     tags += [tag for word, more in MORE_TAGS.items() if word in re.split(r"[^A-Za-z0-9]+", material) for tag in more]
-    notes = {"notes": NOTES[material]} if material in NOTES else {}
-    return {"name": title(material), "model": model, "tags": list(dict.fromkeys(tags)), **notes}
+    notes = notes_of(material)
+    opening = {"name": title(material), "model": model, "tags": list(dict.fromkeys(tags))}
+    return opening | ({"notes": notes} if notes else {})
+
+
+def notes_of(material: str) -> str:
+    """What is to be known of a material, a sentence after the other."""
+    ordinary = material.removesuffix(" (extraordinary)")
+    sentences = {
+        PRINCIPAL: f"{ordinary} (extraordinary)" in constants(),
+        "The absorption edge is near: blue is uncertain.": ordinary in NEAR_EDGE,
+        "Effective values of a layer of particles, not of a polished solid.": material.startswith("soot "),
+        NOTES.get(material, ""): material in NOTES,
+    }
+    return " ".join(sentence for sentence, true in sentences.items() if true)
 
 
 def cited(material: Constants, trust: str) -> dict[str, object]:
@@ -189,6 +194,8 @@ def transparent() -> Iterator[tuple[str, str]]:
             continue
         colours = absorption(material)
         passes = "no absorption: what passes is not tinted" if colours is None else "absorption is measured"
+        if material.absorbs and colours is None:
+            passes = "absorption is left out: that of a film, or too weak to be seen"
         trust = f"eta, at 587.6 nm, is {material.method}; {passes}; m = 0 is an ideal polish"
         values = described(material.family, material.material, "glass") | {"m": 0.0, "m_range": (0.0, 0.5)}
         eta = float(f"{material.n_d:.6g}")  # as the file holds it

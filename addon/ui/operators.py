@@ -144,7 +144,7 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
     bl_idname = "vgroove.save_preset"
     bl_label = "Save as My Preset"
     bl_description = "Keep the active material's numbers as a preset of your own, in your folder; it is offered at once"
-    bl_options = {"REGISTER"}  # writes a file: nothing in the scene to undo
+    bl_options = {"REGISTER", "UNDO"}  # of the choice; the file stays
 
     name: bpy.props.StringProperty(name="Name", description="What the preset is to be called", maxlen=60)
 
@@ -173,7 +173,7 @@ class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
     bl_idname = "vgroove.import_preset"
     bl_label = "Import Preset"
     bl_description = "Copy a preset's file into your own folder; it is offered at once"
-    bl_options = {"REGISTER"}
+    bl_options = {"REGISTER", "UNDO"}  # of the choice; the file stays
 
     filename_ext = ".toml"
     filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})

@@ -128,8 +128,7 @@ def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, p
     row.prop(settings, "shown", text="")
     star = "SOLO_ON" if preset.id in memory.favourites() else "SOLO_OFF"
     row.operator("vgroove.favourite", text="", icon=star)
-    count = len(properties.found(settings))
-    if not count:
+    if not properties.found(settings):
         column.label(text="No preset is like that; choose All or clear the search", icon="INFO")
 
 

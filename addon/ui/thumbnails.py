@@ -42,7 +42,7 @@ def icon(preset: Preset) -> int:
         pictures.load(preset.id, str(path), "IMAGE")
         _waiting.append(preset.id)
         if not bpy.app.timers.is_registered(_read_some):
-            bpy.app.timers.register(_read_some, first_interval=PAUSE)
+            bpy.app.timers.register(_read_some, first_interval=PAUSE, persistent=True)  # also when a file opens
     return int(pictures[preset.id].icon_id)
 
 
