@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import sys
 import time
@@ -20,6 +21,7 @@ from rich.table import Table
 
 from . import presets
 from .files import check_writable, replacing
+from .preset_checks import PresetError
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 if TYPE_CHECKING:
@@ -85,6 +87,9 @@ def list_presets(
     table = Table("id", "name", "parameters", "source")
     for preset in found:
         numbers = ", ".join(f"{key} {_plain(value)}" for key, value in preset.parameters.items())
+        if preset.time:
+            of = preset.time
+            numbers += f"; changes from {of.start:g} to {of.end:g} {of.unit}: {', '.join(of.laws)}"
         table.add_row(preset.id, escape(preset.name), numbers, escape(preset.source["data"]))
     out.print(table)
 
@@ -317,7 +322,7 @@ def _run(command: Callable[[], Any]) -> int:
         return command() or 0
     except (typer.Abort, KeyboardInterrupt):
         return _fail("interrupted", 130)
-    except (presets.PresetError, InputError, OSError) as error:
+    except (PresetError, InputError, OSError) as error:
         return _fail(str(error), 2)
     except Exception as error:
         if hasattr(error, "format_message"):  # a usage error of the parser
@@ -371,7 +376,7 @@ def _preset_json(preset: Preset) -> dict[str, Any]:
     return {
         "id": preset.id, "name": preset.name, "family": preset.family, "model": preset.model,
         "parameters": preset.parameters, "source": preset.source,
-    }  # fmt: skip
+    } | ({"time": asdict(preset.time)} if preset.time else {})  # fmt: skip
 
 
 def _plain(value: float | tuple[float, ...]) -> str:
@@ -380,8 +385,10 @@ def _plain(value: float | tuple[float, ...]) -> str:
 
 def _changed(preset: Preset, settings: list[str] | None, at_time: float | None) -> Preset:
     if at_time is not None:
-        message = f"--time: preset {preset.id} does not change over time; leave it out"
-        raise InputError(message)
+        if preset.time is None:
+            message = f"--time: preset {preset.id} does not change over time; leave it out"
+            raise InputError(message)
+        preset = _at(preset, at_time)
     changes: dict[str, Any] = {}
     for item in settings or []:
         name, equals, text = item.partition("=")
@@ -394,6 +401,16 @@ def _changed(preset: Preset, settings: list[str] | None, at_time: float | None) 
             raise InputError(message)
         changes[name] = values[0] if len(values) == 1 else values
     return preset.with_parameters(**changes)
+
+
+def _at(preset: Preset, time: float) -> Preset:
+    """The preset at a time of its own unit; a time that it does not have is not taken for one that it has."""
+    assert preset.time is not None  # noqa: S101 - the caller has looked
+    start, end, unit = preset.time.start, preset.time.end, preset.time.unit
+    if not math.isfinite(time):
+        message = f"--time: must be a number of {unit}, got {time:g}; {preset.id} goes from {start:g} to {end:g}"
+        raise InputError(message)
+    return preset.at(time)
 
 
 def _assignment(item: str) -> tuple[str, Preset]:

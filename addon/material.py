@@ -37,7 +37,8 @@ from ..nodegroups import (
 )
 from ..nodegroups import sum as sum_group
 from . import lamps as lamp_binding
-from .presets import M_RANGE, TRANSPARENT, Preset, all_presets, base_name
+from .preset_checks import M_RANGE, base_name
+from .presets import TRANSPARENT, Preset, all_presets
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from . import presets
 from .files import check_writable, replacing
-from .presets import FLAGS, FRESNEL_KEYS, KINDS, LOBE, USER_FAMILY, Preset, PresetError
+from .preset_checks import PresetError
+from .presets import FLAGS, FRESNEL_KEYS, KINDS, LOBE, USER_FAMILY, Preset
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,6 +56,10 @@ def dumps(preset: Preset) -> str:
     tables["source"] = dict(preset.source)
     if preset.verified:
         tables["verified"] = dict(preset.verified)
+    if preset.time is not None:
+        of = preset.time
+        tables["time"] = {"unit": of.unit, "range": (of.start, of.end), "kind": of.kind}
+        tables |= {f"time.{name}": dict(law) for name, law in of.laws.items()}
     return HEAD + toml(values, **tables)
 
 

@@ -24,6 +24,8 @@ Other models take their numbers at the top:
   f82_tint, which are its parameters s_1, m_1, ... s_2 and so on.
 - "translucent": reflectance and mean_free_path (RGB, metres) of the body, m and [fresnel] of the coat.
 
+Numbers that change over time have their laws in a table [time]: see ``timeline``.
+
 Imports no bpy.
 """
 
@@ -35,10 +37,11 @@ import re
 import tomllib
 from dataclasses import dataclass, field, replace
 from functools import cache
-from math import inf, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import timeline
+from .preset_checks import PresetError, as_in_range, as_number, as_typed, base_name, check_key
 from .reference import (
     F82,
     CarPaint,
@@ -57,10 +60,12 @@ from .reference import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from .reference.trajectory import Trajectory
+
 FOLDER = Path(__file__).parent.parent / "presets"
 USER_FOLDER = "VGROOVE_PRESETS"  # the environment variable that names a folder of more presets
 USER_FAMILY = "mine"  # of a file that lies right in that folder
-LONGEST_FILE, LONGEST_NAME, LONGEST_MESSAGE = 100_000, 60, 400  # bytes; characters (Blender keeps 63 bytes of a name)
+LONGEST_FILE, LONGEST_NAME = 100_000, 60  # bytes; characters (Blender keeps 63 bytes of a name)
 FIRST_FAMILY = "lecture"  # wins where a bare name is ambiguous
 MODELS = {
     "cook_torrance": ("m",),
@@ -77,35 +82,11 @@ KINDS = {"oren_nayar": ("full", "qualitative"), "glass": ("interface", "thin"), 
 TRANSPARENT = {"glass"}
 DEFAULTS = {"tint": (1.0, 1.0, 1.0), "absorption": (0.0, 0.0, 0.0)}
 FRESNEL_KEYS = {"schlick": ("f0",), "dielectric": ("eta",), "conductor": ("n", "k"), "f82": ("f0", "f82_tint")}
-M_RANGE = (1e-4, 10.0)  # what float32 shaders keep finite; 0 stands for a smooth interface
-RANGES = {
-    "m": M_RANGE,
-    "f0": (0.0, 1.0),
-    "f82_tint": (0.0, 1.0),
-    "eta": (0.1, 10.0),
-    "n": (0.0, 20.0),
-    "k": (0.0, 20.0),
-}
-# White Oren-Nayar as published sends back up to 1.051 of what arrives; below 0.95 no direction exceeds 1.
-RANGES |= {"d": (0.0, 1.0), "s": (0.0, 1.0), "albedo": (0.0, 0.95), "sigma": (0.0, pi / 2), "tint": (0.0, 1.0)}
-RANGES |= {"absorption": (0.0, 1e5), "reflectance": (0.0, 1.0), "mean_free_path": (0.0, 10.0)}
 COUPLED_F0, COUPLED_ETA = 0.25, 3.0  # up to which the shaders' albedo of the specular part was fitted and is tested
-RGB = {"f0", "f82_tint", "n", "k", "albedo", "tint", "absorption", "reflectance", "mean_free_path"}
 LISTS = {"car_paint": ("lobes",)}  # tables of numbers beside a model's own
 TOP_KEYS = {"name": str, "model": str, "kind": str, "fresnel": dict, "source": dict, "tags": list, "notes": str}
-TOP_KEYS |= {"m_range": list, "verified": dict}
+TOP_KEYS |= {"m_range": list, "verified": dict, "time": dict}
 SOURCE_KEYS = ("data", "licence", "trust")
-
-
-class PresetError(ValueError):
-    """Bad input in one line: what, where, how to mend it.
-
-    Whatever a file holds stays one line of at most ``LONGEST_MESSAGE`` characters that a terminal shows as they are.
-    """
-
-    def __init__(self, message: str) -> None:
-        line = "".join(c if c.isprintable() else "?" for c in message)
-        super().__init__(line if len(line) <= LONGEST_MESSAGE else f"{line[: LONGEST_MESSAGE - 4]} ...")
 
 
 @dataclass(frozen=True)
@@ -114,6 +95,7 @@ class Preset:
 
     ``kind`` is the form of the model: of ``cook_torrance`` that of its Fresnel term, else one of ``KINDS``.
     ``m_range``: slopes that suit the material. ``verified``: its reflectance head-on, "f0", by the reference.
+    ``time``: how its numbers change, where they do; ``parameters`` are those at the start.
     """
 
     id: str
@@ -127,6 +109,7 @@ class Preset:
     coupled: bool = False
     m_range: tuple[float, float] | None = None
     verified: dict[str, float | tuple[float, float, float]] = field(default_factory=dict)
+    time: timeline.Timeline | None = None
 
     @property
     def family(self) -> str:
@@ -143,6 +126,21 @@ class Preset:
     def transparent(self) -> bool:
         """Whether light goes through it."""
         return self.model in TRANSPARENT
+
+    def trajectory(self) -> Trajectory:
+        """How its numbers change; PresetError where they do not."""
+        if self.time is None:
+            message = f"preset {self.id} does not change over time"
+            raise PresetError(message)
+        return self.time.trajectory(self.parameters)
+
+    def at(self, time: float) -> Preset:
+        """The material as it is at a time, in the preset's own unit; times beyond its range show its ends."""
+        now = {
+            name: tuple(value.tolist()) if value.ndim else float(value)
+            for name, value in self.trajectory().at(time).items()
+        }
+        return replace(self, parameters=self.parameters | now, verified={}, m_range=None, time=None)
 
     def reference_fresnel(self) -> Fresnel:
         """F of the reference, for models that have one."""
@@ -191,18 +189,23 @@ class Preset:
     def _part(self, model: str, kind: str, suffix: str) -> Preset:
         wanted = (*MODELS[model], *FRESNEL_KEYS.get(kind, ()))
         numbers = {key: self.parameters[key + suffix] for key in wanted}
-        return replace(self, model=model, kind=kind, parameters=numbers)
+        return replace(self, model=model, kind=kind, parameters=numbers, time=None)
 
     def with_parameters(self, **changes: Any) -> Preset:
-        """A copy with some parameters changed; raises PresetError for an unknown name or a value out of range."""
+        """A copy with some parameters changed; raises PresetError for an unknown name or a value out of range.
+
+        What is given a value keeps it: it no longer changes over time.
+        """
         where = f"preset {self.id}"
         for key in changes:
-            _known(where, key, self.parameters)
-        checked = self.parameters | {key: _number(where, key, value) for key, value in changes.items()}
+            check_key(where, key, self.parameters)
+        checked = self.parameters | {key: as_number(where, key, value) for key, value in changes.items()}
         _holds_together(where, checked, self.kind, coupled=self.coupled)
-        if checked == self.parameters:
+        left = self.time and self.time.without(changes)
+        if checked == self.parameters and left == self.time:
             return self
-        changed = replace(self, parameters=checked, verified={})
+        changed = replace(self, parameters=checked, verified={}, time=left)
+        _holds_throughout(where, changed)
         suits = self.m_range is not None and self.m_range[0] <= changed.m <= self.m_range[1]
         return changed if suits else replace(changed, m_range=None)
 
@@ -214,40 +217,45 @@ def parse(text: str, identity: str, where: str) -> Preset:
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits; lists in lists in lists
         message = f"{where}: not valid TOML: {error}"
         raise PresetError(message) from error
-    model = _typed(where, "model", data.get("model", next(iter(MODELS))), str)
+    model = as_typed(where, "model", data.get("model", next(iter(MODELS))), str)
     if model not in MODELS:
         message = f'{where}: unknown model "{model}"; use one of {", ".join(MODELS)}'
         raise PresetError(message)
     numbers = MODELS[model]
     for key, value in data.items():
-        _known(where, key, [*TOP_KEYS, *numbers, *FLAGS.get(model, ()), *LISTS.get(model, ())])
+        check_key(where, key, [*TOP_KEYS, *numbers, *FLAGS.get(model, ()), *LISTS.get(model, ())])
         if key in TOP_KEYS:
-            _typed(where, key, value, TOP_KEYS[key])
+            as_typed(where, key, value, TOP_KEYS[key])
     needed = [key for key in numbers if key not in DEFAULTS] + ["fresnel"] * (model not in KINDS)
     needed += LISTS.get(model, ())
     for key in ("name", "model", *needed, "source"):
         if key not in data:
             message = f'{where}: "{key}" is missing; add {_example(key)}'
             raise PresetError(message)
-    parameters = {key: _number(where, key, data.get(key, DEFAULTS.get(key))) for key in numbers}
+    parameters = {key: as_number(where, key, data.get(key, DEFAULTS.get(key))) for key in numbers}
     if model in KINDS:
         kind = _kind(where, model, data)
         if model == "car_paint":
             parameters |= _lobes(where, data["lobes"])
     else:
         kind = _fresnel_kind(where, data["fresnel"])
-        parameters |= {key: _number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[kind]}
+        parameters |= {key: as_number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[kind]}
     if not (data["name"].isprintable() and len(data["name"].strip()) > 0 and len(data["name"]) <= LONGEST_NAME):
         message = f"{where}: name must be 1 to {LONGEST_NAME} printable characters, got {data['name']!r}"
         raise PresetError(message)
-    coupled = _typed(where, "coupled", data.get("coupled", False), bool)
+    coupled = as_typed(where, "coupled", data.get("coupled", False), bool)
     _holds_together(where, parameters, kind, coupled=coupled)
     source = _source(where, data["source"])
-    tags = tuple(_typed(where, "tags", tag, str) for tag in data.get("tags", []))
+    tags = tuple(as_typed(where, "tags", tag, str) for tag in data.get("tags", []))
     m_range = _m_range(where, data["m_range"], parameters) if "m_range" in data else None
     verified = _verified(where, data.get("verified", {}))
-    notes = data.get("notes", "")
-    return Preset(identity, data["name"], model, kind, parameters, source, tags, notes, coupled, m_range, verified)
+    changes = timeline.parse(where, data["time"], parameters) if "time" in data else None
+    preset = Preset(
+        identity, data["name"], model, kind, parameters, source, tags, data.get("notes", ""), coupled, m_range,
+        verified, changes,
+    )  # fmt: skip
+    _holds_throughout(where, preset)
+    return preset
 
 
 def load(path: Path) -> Preset:
@@ -373,73 +381,23 @@ def search(query: str) -> list[Preset]:
     return [p for p in all_presets().values() if all(w in " ".join((p.id, p.name, *p.tags)).casefold() for w in words)]
 
 
-def _known(where: str, key: str, known: Any) -> None:
-    if key not in known:
-        near = difflib.get_close_matches(key, list(known), n=1)
-        hint = f'did you mean "{near[0]}"?' if near else f"known are {', '.join(known)}"
-        message = f'{where}: unknown key "{key}"; {hint}'
-        raise PresetError(message)
-
-
-def _typed(where: str, key: str, value: Any, kind: type) -> Any:
-    accepted = (int, float) if kind is float else kind
-    if not isinstance(value, accepted) or isinstance(value, bool) != (kind is bool):
-        wanted = {bool: "true or false", float: "a number", str: "a text", dict: "a table", list: "a list"}[kind]
-        message = f"{where}: {key} must be {wanted}, got {value!r}"
-        raise PresetError(message)
-    return value
-
-
-def base_name(key: str) -> str:
-    """The name of a number without that of its lobe: m of m_2."""
-    name, _, lobe = key.rpartition("_")
-    return name if lobe.isdigit() else key
-
-
 def _lobes(where: str, tables: Any) -> dict[str, float | tuple[float, float, float]]:
     """The numbers of each lobe of a car paint, s_1, m_1 and so on."""
-    _typed(where, "lobes", tables, list)
+    as_typed(where, "lobes", tables, list)
     if not 1 <= len(tables) <= MOST_LOBES:
         message = f"{where}: [[lobes]] must be 1 to {MOST_LOBES} tables, got {len(tables)}"
         raise PresetError(message)
     numbers: dict[str, float | tuple[float, float, float]] = {}
     for index, table in enumerate(tables, 1):
         of = f"{where}: lobe {index}"
-        for key in _typed(where, "lobes", table, dict):
-            _known(of, key, LOBE)
+        for key in as_typed(where, "lobes", table, dict):
+            check_key(of, key, LOBE)
         for key in LOBE:
             if key not in table:
                 message = f'{of}: "{key}" is missing; a lobe has {", ".join(LOBE)}'
                 raise PresetError(message)
-            numbers[f"{key}_{index}"] = _number(of, key, table[key])
+            numbers[f"{key}_{index}"] = as_number(of, key, table[key])
     return numbers
-
-
-def _number(where: str, key: str, value: Any) -> float | tuple[float, float, float]:
-    """A parameter within its range: one number, or three for RGB (one number then counts for all three)."""
-    if base_name(key) not in RGB:
-        return _in_range(where, key, value)
-    channels = [value] * 3 if isinstance(value, (int, float)) else value
-    if not isinstance(channels, (list, tuple)) or len(channels) != 3:
-        message = f"{where}: {key} must be one number or three (R, G, B), got {value!r}"
-        raise PresetError(message)
-    red, green, blue = (_in_range(where, key, channel) for channel in channels)
-    return red, green, blue
-
-
-def _in_range(where: str, key: str, value: Any) -> float:
-    try:
-        number = float(_typed(where, key, value, float))
-    except OverflowError:  # an integer of hundreds of digits
-        number = inf
-    low, high = RANGES[base_name(key)]
-    if key == "m" and number == 0.0:
-        return number
-    if not low <= number <= high:
-        hint = " (or 0, a smooth interface)" if key == "m" else ""
-        message = f"{where}: {key} must be between {low:g} and {high:g}{hint}, got {number:g}"
-        raise PresetError(message)
-    return number
 
 
 def _holds_together(where: str, parameters: dict[str, Any], kind: str, *, coupled: bool) -> None:
@@ -458,6 +416,20 @@ def _holds_together(where: str, parameters: dict[str, Any], kind: str, *, couple
     if d + s > 1.0 + 1e-9:
         message = f"{where}: d + s must be at most 1, or more light would leave than arrives; got {d:g} + {s:g}"
         raise PresetError(message)
+
+
+def _holds_throughout(where: str, preset: Preset) -> None:
+    """The same at every time of a preset that changes."""
+    if preset.time is None:
+        return
+    moments = preset.time.moments
+    values = preset.trajectory().at(moments)
+    for index, time in enumerate(moments):
+        now = {
+            name: tuple(of[index].tolist()) if of.ndim == 2 else float(of[index]) for name, of in values.items()
+        }  # fmt: skip
+        at = f"{where}: at time {time:g}"
+        _holds_together(at, preset.parameters | now, preset.kind, coupled=preset.coupled)
 
 
 def _holds_coupled(where: str, parameters: dict[str, Any], kind: str) -> None:
@@ -494,7 +466,7 @@ def _kind(where: str, model: str, data: dict[str, Any]) -> str:
 
 def _fresnel_kind(where: str, table: dict[str, Any]) -> str:
     for key in table:
-        _known(where, key, [key for keys in FRESNEL_KEYS.values() for key in keys])
+        check_key(where, key, [key for keys in FRESNEL_KEYS.values() for key in keys])
     for kind, keys in FRESNEL_KEYS.items():
         if set(table) == set(keys):
             return kind
@@ -506,8 +478,8 @@ def _fresnel_kind(where: str, table: dict[str, Any]) -> str:
 
 def _source(where: str, table: dict[str, Any]) -> dict[str, str]:
     for key, value in table.items():
-        _known(where, key, SOURCE_KEYS)
-        _typed(where, key, value, str)
+        check_key(where, key, SOURCE_KEYS)
+        as_typed(where, key, value, str)
     if not table.get("data", "").strip():
         message = f'{where}: [source] has no "data"; say where the numbers come from'
         raise PresetError(message)
@@ -516,7 +488,7 @@ def _source(where: str, table: dict[str, Any]) -> dict[str, str]:
 
 def _m_range(where: str, values: list[Any], parameters: dict[str, Any]) -> tuple[float, float]:
     """Two ascending slopes around the preset's own."""
-    bounds = [_in_range(where, "m", value) for value in values]
+    bounds = [as_in_range(where, "m", value) for value in values]
     if "m" not in parameters:
         message = f"{where}: m_range goes with a model that has an m; leave it out"
         raise PresetError(message)
@@ -529,8 +501,8 @@ def _m_range(where: str, values: list[Any], parameters: dict[str, Any]) -> tuple
 def _verified(where: str, table: dict[str, Any]) -> dict[str, float | tuple[float, float, float]]:
     checked = {}
     for key, value in table.items():
-        _known(f"{where}: [verified]", key, ("f0",))
-        checked[key] = _number(where, key, value)
+        check_key(f"{where}: [verified]", key, ("f0",))
+        checked[key] = as_number(where, key, value)
     return checked
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vgroove.addon import preset_files, presets
+from vgroove.addon import preset_checks, preset_files, presets
 from vgroove.addon.presets import PresetError, all_presets, find, parse
 
 COPPER = find("lecture/copper")
@@ -178,7 +178,7 @@ def assert_one_clear_line(text):
         line = str(error)
         assert line.startswith("a/b.toml: ")
         assert line.isprintable()
-        assert len(line) <= presets.LONGEST_MESSAGE
+        assert len(line) <= preset_checks.LONGEST_MESSAGE
         return False
     assert parse(preset_files.dumps(held), "a/b", "a/b.toml") == held
     return True

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from vgroove.addon import presets
-from vgroove.addon.presets import FOLDER, RANGES, PresetError, all_presets, find, load, load_folder, parse
+from vgroove.addon.preset_checks import RANGES, PresetError
+from vgroove.addon.presets import FOLDER, all_presets, find, load, load_folder, parse
 from vgroove.addon.reference import Glass, OrenNayar, albedo, spherical
 
 GOOD = 'name = "A"\nmodel = "cook_torrance"\nm = 0.3\n[fresnel]\nf0 = [0.9, 0.6, 0.5]\n[source]\ndata = "somewhere"\n'

@@ -24,9 +24,11 @@ from .fresnel import (
     schlick,
 )
 from .glass import Glass, Pane, fresnel_transmittance, glass_btdf, refract
+from .keyframes import Keyframes, place_keys
 from .model import Model, albedo
 from .oren_nayar import Lambert, OrenNayar, oren_nayar
 from .sum import Sum
+from .trajectory import Exponential, Keys, Logistic, Polynomial, Power, Reciprocal, Trajectory, local_age
 
 __all__ = [
     "F82",
@@ -34,15 +36,23 @@ __all__ = [
     "Conductor",
     "CookTorrance",
     "Dielectric",
+    "Exponential",
     "Fresnel",
     "Glass",
+    "Keyframes",
+    "Keys",
     "Lambert",
+    "Logistic",
     "Model",
     "OrenNayar",
     "Pane",
+    "Polynomial",
+    "Power",
+    "Reciprocal",
     "Schlick",
     "Smooth",
     "Sum",
+    "Trajectory",
     "albedo",
     "beckmann_d",
     "cook_torrance",
@@ -52,8 +62,10 @@ __all__ = [
     "fresnel_dielectric",
     "fresnel_transmittance",
     "glass_btdf",
+    "local_age",
     "oren_nayar",
     "oren_nayar_fit",
+    "place_keys",
     "reflect",
     "refract",
     "rendered",

@@ -13,6 +13,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from ...nodegroups.osl_script import OslError
 from .. import material, preset_files, presets, scene
 from ..files import replacing
+from ..preset_checks import PresetError
 from . import memory
 from .properties import chosen_preset
 
@@ -218,7 +219,7 @@ def _keep(operator: bpy.types.Operator, context: bpy.types.Context, keep: Callab
     folder = presets.user_folder()
     try:
         kept = keep(folder) if folder else None
-    except (presets.PresetError, OSError) as error:
+    except (PresetError, OSError) as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
     if kept is None:
