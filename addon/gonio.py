@@ -147,6 +147,8 @@ def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: 
         cycles.blur_glossy = cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
         cycles.light_sampling_threshold = 0.0
         scene.world = bpy.data.worlds.new("VGroove gonio")
+        shown = bpy.context.scene  # what changes over time is measured as it is now
+        scene.frame_set(shown.frame_current, subframe=shown.frame_subframe)
         yield scene
     finally:
         bpy.data.scenes.remove(scene)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -33,13 +33,17 @@ from ..nodegroups import (
     oren_nayar_fit,
     oren_nayar_hybrid,
     oren_nayar_mirror,
+    trajectory,
     translucent,
 )
 from ..nodegroups import sum as sum_group
+from . import animation
 from . import lamps as lamp_binding
+from .animation import Play
 from .preset_checks import M_RANGE, base_name
 from .presets import TRANSPARENT, Preset, all_presets
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
+from .timeline import Timeline
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -79,6 +83,7 @@ EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamp
 KEY = "vgroove"  # custom property on a material: what it was built from
 ABSORPTION = "Absorption"  # label of the node beside the model's
 STATE = "vgroove_state"  # its inputs as built, to tell whether an artist changed them since
+TIME = "vgroove_time"  # of a material that changes: how its course was played when it was built
 
 
 def binds(estimator: str, lamp_size: float, model: str = "cook_torrance") -> bool:
@@ -102,6 +107,7 @@ class Choice:
     lamps: those that are evaluated by the formula: all of ``direct`` and ``corrected``, and beside ``mirror`` and
     ``hybrid`` those of zero size, which no ray can hit. shadows: whether these lamps cast any.
     bound: how much of the directional albedo ``hybrid`` may have wrong.
+    play: how the course of a preset that changes is played; without it the material stands still, at the start.
     """
 
     backend: str = "nodes"
@@ -109,6 +115,7 @@ class Choice:
     lamps: tuple[Object, ...] = ()
     shadows: bool = True
     bound: float = DEFAULT_BOUND
+    play: Play | None = None
 
     def __post_init__(self) -> None:
         for what, value, known in (("backend", self.backend, BACKENDS), ("estimator", self.estimator, ESTIMATORS)):
@@ -137,10 +144,26 @@ def build(preset: Preset, choice: Choice) -> Material:
     Idempotent: if this .blend holds one that was built the same way and not edited since, that one is returned.
     An edited one is left alone and a new one is made beside it.
     """
-    key = _key(preset, choice)
+    if choice.play is not None and preset.time is None:
+        message = f"{preset.id} does not change over time; leave play out"
+        raise MaterialError(message)
+    key, course = _key(preset, choice), _course_key(preset, choice)
     for material in bpy.data.materials:
-        if material.get(KEY) == key and material.get(STATE) == _state(material) and material.library is None:
+        if (material.get(KEY), material.get(TIME)) != (key, course) or material.library is not None:
+            continue
+        if not is_edited(material):
             return material
+    material = _build(preset, choice)
+    material[KEY] = key
+    if choice.play is not None:
+        _animate(material, preset, choice)
+        material[TIME] = course
+    material[STATE] = _state(material)
+    return material
+
+
+def _build(preset: Preset, choice: Choice) -> Material:
+    """The material as it is at the start of its course."""
     group = _group(preset, choice)  # may refuse: nothing is made before it
     material = bpy.data.materials.new(f"{preset.name} ({choice.estimator.title()})")
     if bpy.app.version < (5, 0, 0):  # 4.5 has no tree until use_nodes is set; 5.x warns when it is. Goes with 4.5 LTS.
@@ -169,9 +192,25 @@ def build(preset: Preset, choice: Choice) -> Material:
     _show_in_solid_view(material, preset)
     material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
-    material[KEY] = key
-    material[STATE] = _state(material)
     return material
+
+
+def _animate(material: Material, preset: Preset, choice: Choice) -> None:
+    """Play the preset's course; a material whose course cannot be built does not stay behind half made."""
+    sockets, course = parameter_sockets(material), preset.trajectory()
+    try:
+        moved = {name: sockets[name] for name in course.laws}
+        animation.animate(material, moved, course, choice.play, preset.name, choice.backend)
+    except Exception:
+        bpy.data.materials.remove(material)
+        raise
+
+
+def _course_key(preset: Preset, choice: Choice) -> str | None:
+    """What the material's course was built from."""
+    if choice.play is None or preset.time is None:
+        return None
+    return json.dumps({"play": asdict(choice.play), "time": asdict(preset.time)})
 
 
 def absorbs(preset: Preset) -> bool:
@@ -226,7 +265,10 @@ def _key(preset: Preset, choice: Choice) -> str:
 
 @dataclass(frozen=True)
 class Origin:
-    """What a material was built from, with the numbers that it has now; ``plain``: nothing was linked to it since."""
+    """What a material was built from, with the numbers that it has now.
+
+    ``plain``: nothing was linked to it since, and its course, if it has one, is as it was built.
+    """
 
     preset: Preset
     backend: str
@@ -262,7 +304,9 @@ def origin_of(material: Material) -> Origin:
     preset = Preset(identity, node.label, model, kind, now, source, coupled=coupled)
     limit = node.inputs["Bound"].default_value if "Bound" in node.inputs else next(iter(bound), DEFAULT_BOUND)
     linked = {link.from_node for socket in node.inputs for link in socket.links}
-    return Origin(preset, backend, estimator, float(limit), plain=all(one.label.startswith("Lamp ") for one in linked))
+    ours = all(one.label.startswith("Lamp ") or one.label == animation.LABEL for one in linked)
+    plain = ours and not (TIME in material and is_edited(material))  # an edited course could not be made again
+    return Origin(preset, backend, estimator, float(limit), plain=plain)
 
 
 def is_edited(material: Material) -> bool:
@@ -271,23 +315,49 @@ def is_edited(material: Material) -> bool:
 
 
 def reset(material: Material) -> None:
-    """Give a material that ``build`` made the numbers again that it was built with."""
+    """Give a material that ``build`` made the numbers again that it was built with, and its course."""
     parameters = json.loads(material[KEY])[4]
-    for name, socket in parameter_sockets(material).items():
+    sockets = parameter_sockets(material)
+    animation.remove(material, sockets)
+    for name, socket in sockets.items():
         _set(socket.node, socket.name, parameters[name])
+    played = course_of(material)
+    if played is not None:
+        preset, play = played
+        laws = {name: sockets[name] for name in preset.trajectory().laws}
+        animation.animate(material, laws, preset.trajectory(), play, preset.name, json.loads(material[KEY])[5])
     _show_in_solid_view(material, origin_of(material).preset)
 
 
+def course_of(material: Material) -> tuple[Preset, Play] | None:
+    """The preset whose course a material was built to play, and how; None of a material that stands still."""
+    if TIME not in material:
+        return None
+    kept = json.loads(material[TIME])
+    identity, model, kind, coupled, parameters, *_ = json.loads(material[KEY])
+    now = {name: tuple(value) if isinstance(value, list) else value for name, value in parameters.items()}
+    name = origin_of(material).preset.name
+    time = Timeline(**kept["time"])
+    return Preset(identity, name, model, kind, now, {}, coupled=coupled, time=time), Play(**kept["play"])
+
+
 def _is_model(node: Node) -> bool:
-    return not node.label.startswith("Lamp ") and node.label != ABSORPTION
+    return not node.label.startswith("Lamp ") and node.label not in {ABSORPTION, animation.LABEL}
 
 
 def _state(material: Material) -> str:
     """The inputs that artists can turn, and what is linked, as one comparable text."""
-    values = []
+    values: list[Any] = []
+    curves = animation.curves_of(material, parameter_sockets(material).values())
+    moving = {curve.data_path for curve in curves}
+    for curve in curves:
+        keys = [[round(float(part), 5) for part in point.co] for point in curve.keyframe_points]
+        values.append([curve.data_path, curve.array_index, keys])
+    if (course := animation.trajectory_node(material)) is not None:
+        values.append(str(trajectory.keys_of(course.node_tree)))
     for node in sorted(material.node_tree.nodes, key=lambda node: node.name):
-        driven = node.label.startswith("Lamp")
         for socket in node.inputs:
+            driven = node.label.startswith("Lamp") or f"{socket.path_from_id()}.default_value" in moving
             value = getattr(socket, "default_value", None)
             plain = [round(float(part), 7) for part in value] if isinstance(value, Iterable) else value
             values.append(

@@ -15,7 +15,7 @@ import numpy as np
 from ..nodegroups import cook_torrance_closure, lamp
 from . import lamps
 from .files import replacing
-from .material import BUILDERS, EVERY_LAMP, KEY, NATIVE, RANDOM, Choice, binds, build, origin_of
+from .material import BUILDERS, EVERY_LAMP, KEY, NATIVE, RANDOM, Choice, binds, build, course_of, origin_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -126,7 +126,8 @@ def _stale_problems(scene: Scene) -> Iterator[Problem]:
 def _renew(scene: Scene, made: Material) -> None:
     origin = origin_of(made)
     bind = lamps_to_bind(scene, origin.estimator, origin.preset.model)
-    new = build(origin.preset, Choice(origin.backend, origin.estimator, bind, bound=origin.bound))
+    preset, play = course_of(made) or (origin.preset, None)
+    new = build(preset, Choice(origin.backend, origin.estimator, bind, bound=origin.bound, play=play))
     for item in scene.objects:
         for slot in item.material_slots:
             if slot.material == made:

@@ -17,6 +17,8 @@ from . import cook_torrance_table, oren_nayar_table
 from ._tree import Number, Tree, Value
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from bpy.types import Node, NodeSocket, Text
 
 
@@ -24,33 +26,43 @@ class OslError(RuntimeError):
     """This Blender cannot compile OSL, in one line that says what to do."""
 
 
+LONGEST_NAME = 50  # Blender keeps 63 bytes of a name, and may add a number
 FOLDER = Path(__file__).parent.parent / "osl"
 TABLES = {"oren_nayar_fit_table.h": oren_nayar_table.header, "cook_torrance_fit_table.h": cook_torrance_table.header}
 
 
-def source(shader: str) -> str:
-    """Text of ``osl/SHADER.osl`` with our own headers in place of their #include lines."""
+def source(shader: str, tables: Mapping[str, str] | None = None) -> str:
+    """Text of ``osl/SHADER.osl`` with our own headers in place of their #include lines.
+
+    ``tables``: text of headers that are not the same for every node of the shader.
+    """
     text = (FOLDER / f"{shader}.osl").read_text(encoding="utf-8")
-    return _inlined(text)
+    return _inlined(text, tables or {})
 
 
-def _inlined(text: str) -> str:
+def _inlined(text: str, tables: Mapping[str, str]) -> str:
     """Headers of ours, files or tables written as OSL, in place of their #include lines; Cycles' own stay."""
-    return re.sub(r'#include "(\w+\.h)"', lambda found: _header(found[1]) or found[0], text)
+    return re.sub(r'#include "(\w+\.h)"', lambda found: _header(found[1], tables) or found[0], text)
 
 
-def _header(name: str) -> str:
+def _header(name: str, tables: Mapping[str, str]) -> str:
+    if name in tables:
+        return tables[name]
     if name in TABLES:
         return TABLES[name]()
     path = FOLDER / "include" / name
-    return _inlined(path.read_text(encoding="utf-8")) if path.exists() else ""
+    return _inlined(path.read_text(encoding="utf-8"), tables) if path.exists() else ""
 
 
-def text_block(shader: str) -> Text:
-    """The shader as a text datablock; one a .blend, replaced when the source has changed."""
-    name, content = f"vgroove {shader}.osl", source(shader)
+def text_block(shader: str, title: str = "", tables: Mapping[str, str] | None = None) -> Text:
+    """The shader as a text datablock; one a .blend, replaced when the source has changed.
+
+    ``title``: its name, where there are several of a shader, by their ``tables``.
+    """
+    content = source(shader, tables) if tables else source(shader)
+    name = f"vgroove {title or shader}"[:LONGEST_NAME] + ".osl"
     for text in bpy.data.texts:
-        if text.name.split(".osl")[0] == f"vgroove {shader}" and text.as_string() == content:
+        if text.name.split(".osl")[0] == name.removesuffix(".osl") and text.as_string() == content:
             return text
     text = bpy.data.texts.new(name)
     text.from_string(content)
@@ -58,14 +70,16 @@ def text_block(shader: str) -> Text:
     return text
 
 
-def script(tree: Tree, shader: str, **parameters: Number) -> Node:
-    """A Script node that runs ``shader`` with its parameters connected.
+def script(
+    tree: Tree, shader: str, *, title: str = "", tables: Mapping[str, str] | None = None, **parameters: Number
+) -> Node:
+    """A Script node that runs ``shader`` with its parameters connected; ``title``, ``tables``: of ``text_block``.
 
     Raises OslError if the shader does not compile (this Blender was built without OSL).
     """
     node = tree.node("ShaderNodeScript", mode="INTERNAL", label=shader)
     known = set(bpy.data.texts)
-    node.script = text_block(shader)
+    node.script = text_block(shader, title, tables)
     try:
         _compile(node, shader)
     except OslError:

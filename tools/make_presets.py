@@ -22,7 +22,7 @@ from vgroove.addon.reference import Conductor, Dielectric, schlick
 from vgroove.addon.reference.fresnel import F82_COSINE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from numpy.typing import NDArray
 
@@ -301,12 +301,13 @@ def every_preset() -> Iterator[tuple[str, str]]:
         yield from family()
 
 
-def main() -> int:
+def main(presets: Callable[[], Iterable[tuple[str, str]]] = every_preset, tool: str = "make_presets.py") -> int:
+    """Compare or write what ``presets`` gives; 1 where something differs."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write the presets")
     write = parser.parse_args().write
     differ = []
-    for identity, text in every_preset():
+    for identity, text in presets():
         path = FOLDER / f"{identity}.toml"
         if write:
             path.parent.mkdir(exist_ok=True)  # a new family
@@ -314,7 +315,7 @@ def main() -> int:
         elif not path.exists() or path.read_text(encoding="utf-8") != text:
             differ.append(identity)
     for identity in differ:
-        print(f"presets/{identity}.toml differs from the tables; run tools/make_presets.py --write")
+        print(f"presets/{identity}.toml differs from the tables; run tools/{tool} --write")
     return 1 if differ else 0
 
 
