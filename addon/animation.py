@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from bpy.types import ChannelBag, FCurve, Material, Node, NodeSocket, ShaderNodeTree
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from ..nodegroups.trajectory import Key
 
@@ -75,20 +75,20 @@ class Play:
 
 def keyframes(course: Trajectory, play: Play) -> dict[str, Keyframes]:
     """The keys of each parameter, by age."""
-    of_age = Trajectory({name: _by_age(course, name) for name in course.laws}, 0.0, 1.0)
+    of_age = Trajectory({name: _ByAge(course, name) for name in course.laws}, 0.0, 1.0)
     shape: Any = play.interpolation
     return {name: place_keys(of_age, name, play.tolerance, shape) for name in course.laws}
 
 
 @dataclass(frozen=True)
-class _by_age:  # noqa: N801 - a law, made where it is used
+class _ByAge:
     """A parameter's law over the course's age."""
 
     course: Trajectory
     name: str
 
-    def __call__(self, age: Any) -> NDArray[np.float64]:
-        return self.course.value(self.name, self.course.time(age))
+    def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
+        return self.course.value(self.name, self.course.time(t))
 
     def events(self) -> NDArray[np.float64]:
         return self.course.age(self.course.laws[self.name].events())
@@ -132,10 +132,11 @@ def _held(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _channels(keys: Keyframes) -> list[Keyframes]:
     if keys.values.ndim == 1:
         return [keys]
-    parts = (keys.values, keys.before, keys.after)
-    return [
-        Keyframes(keys.times, *(None if part is None else part[:, channel] for part in parts)) for channel in range(3)
-    ]
+
+    def of(part: NDArray[np.float64] | None, channel: int) -> NDArray[np.float64] | None:
+        return None if part is None else part[:, channel]
+
+    return [Keyframes(keys.times, keys.values[:, k], of(keys.before, k), of(keys.after, k)) for k in range(3)]
 
 
 def _of_frames(keys: Keyframes, play: Play) -> Keyframes:
@@ -385,10 +386,9 @@ class _Sampled:
     law: Keys
     local: Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
-    def __call__(self, frame: Any) -> NDArray[np.float64]:
-        frames = np.atleast_1d(frame)
-        values = self.law(self.local(frames))
-        return values if np.ndim(frame) else values[0]
+    def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
+        values = self.law(self.local(np.atleast_1d(np.asarray(t, float))))
+        return values if np.ndim(t) else values[0]
 
     def events(self) -> NDArray[np.float64]:
         return np.empty(0)

@@ -156,7 +156,7 @@ def build(preset: Preset, choice: Choice) -> Material:
     material = _build(preset, choice)
     material[KEY] = key
     if choice.play is not None:
-        _animate(material, preset, choice)
+        _animate(material, preset, choice.play, choice.backend)
         material[TIME] = course
     material[STATE] = _state(material)
     return material
@@ -195,12 +195,12 @@ def _build(preset: Preset, choice: Choice) -> Material:
     return material
 
 
-def _animate(material: Material, preset: Preset, choice: Choice) -> None:
+def _animate(material: Material, preset: Preset, play: Play, backend: str) -> None:
     """Play the preset's course; a material whose course cannot be built does not stay behind half made."""
     sockets, course = parameter_sockets(material), preset.trajectory()
     try:
         moved = {name: sockets[name] for name in course.laws}
-        animation.animate(material, moved, course, choice.play, preset.name, choice.backend)
+        animation.animate(material, moved, course, play, preset.name, backend)
     except Exception:
         bpy.data.materials.remove(material)
         raise

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import bpy
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bpy.types import Node, NodeSocket, Text
+
+Variant: TypeAlias = "tuple[str, Mapping[str, str]]"
 
 
 class OslError(RuntimeError):
@@ -54,13 +56,14 @@ def _header(name: str, tables: Mapping[str, str]) -> str:
     return _inlined(path.read_text(encoding="utf-8"), tables) if path.exists() else ""
 
 
-def text_block(shader: str, title: str = "", tables: Mapping[str, str] | None = None) -> Text:
+def text_block(shader: str, variant: Variant | None = None) -> Text:
     """The shader as a text datablock; one a .blend, replaced when the source has changed.
 
-    ``title``: its name, where there are several of a shader, by their ``tables``.
+    variant: of a shader of which there are several, its name and the texts of the headers that make it.
     """
+    title, tables = variant or (shader, {})
     content = source(shader, tables) if tables else source(shader)
-    name = f"vgroove {title or shader}"[:LONGEST_NAME] + ".osl"
+    name = f"vgroove {title}"[:LONGEST_NAME] + ".osl"
     for text in bpy.data.texts:
         if text.name.split(".osl")[0] == name.removesuffix(".osl") and text.as_string() == content:
             return text
@@ -70,16 +73,14 @@ def text_block(shader: str, title: str = "", tables: Mapping[str, str] | None = 
     return text
 
 
-def script(
-    tree: Tree, shader: str, *, title: str = "", tables: Mapping[str, str] | None = None, **parameters: Number
-) -> Node:
-    """A Script node that runs ``shader`` with its parameters connected; ``title``, ``tables``: of ``text_block``.
+def script(tree: Tree, shader: str, variant: Variant | None = None, /, **parameters: Number) -> Node:
+    """A Script node that runs ``shader``, or a variant as of ``text_block``, with its parameters connected.
 
     Raises OslError if the shader does not compile (this Blender was built without OSL).
     """
     node = tree.node("ShaderNodeScript", mode="INTERNAL", label=shader)
     known = set(bpy.data.texts)
-    node.script = text_block(shader, title, tables)
+    node.script = text_block(shader, variant)
     try:
         _compile(node, shader)
     except OslError:

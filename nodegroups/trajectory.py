@@ -8,7 +8,7 @@ each, and an artist can change every key in it. Source: Gu et al. 2006; ``local_
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import osl_script, ramp
 from ._tree import Tree, Value, clamp
@@ -38,10 +38,8 @@ def build_osl(tree: Tree, keys: Mapping[str, Sequence[Key]], title: str) -> None
     """The same from one script a parameter; its keys stand at the top of the script's text."""
     age, rate, offset = interface(tree)
     for name, course in keys.items():
-        node = osl_script.script(
-            tree, "trajectory", title=f"trajectory {title} {name}", tables={TABLE: table(course)},
-            Age=age, Rate=rate, Offset=offset,
-        )  # fmt: skip
+        variant = f"trajectory {title} {name}", {TABLE: table(course)}
+        node = osl_script.script(tree, "trajectory", variant, Age=age, Rate=rate, Offset=offset)
         value = osl_script.output(tree, node, "Value")
         (tree.output_color if _is_color(course) else tree.output_float)(name, value, tip=f"{name} at this age")
 
@@ -121,7 +119,7 @@ def _of_text(text: Text) -> list[Key]:
     content = text.as_string()
     number = r"-?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
     ages, values = (
-        [float(one) for one in re.findall(number, re.search(rf"#define {name} {{(.*)}}", content)[1])]
+        [float(one) for line in re.findall(rf"#define {name} {{(.*)}}", content) for one in re.findall(number, line)]
         for name in ("AGES", "VALUES")
     )
     if "#define KIND float" in content:
@@ -130,5 +128,5 @@ def _of_text(text: Text) -> list[Key]:
     return list(zip(ages, colors, strict=True))
 
 
-def _plain(value: object) -> float | tuple[float, float, float]:
-    return float(value) if isinstance(value, float) else tuple(value)[:3]
+def _plain(value: Any) -> float | tuple[float, float, float]:
+    return value if isinstance(value, float) else (value[0], value[1], value[2])
