@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import re
@@ -10,6 +11,7 @@ import sys
 import time
 from dataclasses import asdict
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -23,6 +25,7 @@ from . import presets
 from .files import check_writable, replacing
 from .preset_checks import PresetError
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
+from .reference.keyframes import TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -47,6 +50,11 @@ class Estimator(StrEnum):
     HYBRID = "hybrid"
     MIRROR = "mirror"
     DIRECT = "direct"
+
+
+class Driving(StrEnum):
+    CURVES = "curves"
+    AGE = "age"
 
 
 class InputError(ValueError):
@@ -116,7 +124,25 @@ def render(
     ] = Estimator.AUTO,
     bound: BoundOption = DEFAULT_BOUND,
     at_time: TimeOption = None,
-    frames: Annotated[str | None, typer.Option(metavar="A-B", help="A sequence of the scene's frames")] = None,
+    frames: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A-B", help="A sequence; presets that change go from start to end. Frames that are there are kept"
+        ),
+    ] = None,
+    driving: Annotated[
+        Driving, typer.Option(help="with --frames: F-curves on the inputs, or one keyed Age within the material")
+    ] = Driving.CURVES,
+    tolerance: Annotated[
+        float, typer.Option(help="with --frames: by how much of a parameter's range its keys may miss its law")
+    ] = TOLERANCE,
+    strip: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="with --frames: a contact strip of the sequence")
+    ] = None,
+    movie: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="with --frames: a movie of the sequence, .mp4 or .webm")
+    ] = None,
+    fps: Annotated[int, typer.Option(min=1, max=240, help="Frames a second of the movie")] = 24,
     samples: Annotated[
         int | None, typer.Option(min=1, help="Samples a pixel; 128 for a preset, the scene's own for a .blend")
     ] = None,
@@ -129,12 +155,9 @@ def render(
     is_scene = what.endswith(".blend")
     span = _frames(frames, output)
     size = _resolution(resolution) if resolution else None
-    if output.suffix.lower() not in {".exr", ".png"}:
-        message = f"{output}: unknown ending; use .exr (linear, float) or .png"
-        raise InputError(message)
-    check_writable(output)
+    _check_outputs(output, strip, movie, span, at_time)
     assigned = [_assignment(item) for item in assign or []] if is_scene else [("Ball", presets.find(what))]
-    changed = [(name, _changed(preset, settings, at_time)) for name, preset in assigned]
+    changed = _all_changed(assigned, settings, at_time)
     if is_scene and not Path(what).is_file():
         message = f"{what}: no such scene; name a .blend file"
         raise InputError(message)
@@ -142,22 +165,101 @@ def render(
         message = "--assign goes with a SCENE.blend; the preview scene shows the preset itself"
         raise InputError(message)
     _with_blender()
-    from . import headless, scene
+    from . import animation, headless, scene
 
+    play = None
+    if span:
+        play = animation.Play(str(driving), float(span[0]), float(max(span[-1] - span[0], 1)), tolerance)
     with headless.quiet():
         shown = _open(what) if is_scene else scene.preview()
         shown.cycles.samples = samples or (shown.cycles.samples if is_scene else PREVIEW_SAMPLES)
-        _assign(shown, changed, backend, estimator, bound, "--assign" if is_scene else "")
+        _assign(shown, changed, backend, estimator, bound, "--assign" if is_scene else "", play)
     if not is_scene:
         size = size or (640, 480)
-    numbers: list[int | None] = [*span] or [None]
-    for frame in numbers:
-        path = output if frame is None else _numbered(output, frame)
+    if not span:
         with headless.quiet():
-            if frame is not None:
-                shown.frame_set(frame)
-            scene.still(shown, path, samples=samples, seed=seed, resolution=size)
-        err.print(f"wrote {path}", highlight=False, soft_wrap=True)
+            scene.still(shown, output, samples=samples, seed=seed, resolution=size)
+        err.print(f"wrote {output}", highlight=False, soft_wrap=True)
+        return
+    source = hashlib.sha256(Path(what).read_bytes()).hexdigest() if is_scene else ""
+    wanted = [
+        what, source, [(name, asdict(preset)) for name, preset in changed], play and asdict(play), str(backend),
+        str(estimator), bound, shown.cycles.samples, seed, size,
+    ]  # fmt: skip
+    _sequence(shown, span, output, wanted, samples=samples, seed=seed, resolution=size)
+    paths = [_numbered(output, frame) for frame in span]
+    if strip:
+        with headless.quiet():
+            _strip(paths, span, changed, strip)
+        err.print(f"wrote {strip}", highlight=False, soft_wrap=True)
+    if movie:
+        from . import sequence
+
+        with headless.quiet():
+            sequence.movie(paths, movie, fps)
+        err.print(f"wrote {movie}", highlight=False, soft_wrap=True)
+
+
+def _check_outputs(
+    output: Path, strip: Path | None, movie: Path | None, span: list[int], at_time: float | None
+) -> None:
+    """InputError or OSError, before any work, for outputs that could not be written or do not go together."""
+    if output.suffix.lower() not in {".exr", ".png"}:
+        message = f"{output}: unknown ending; use .exr (linear, float) or .png"
+        raise InputError(message)
+    check_writable(output)
+    if span and at_time is not None:
+        message = "--time shows one moment and --frames a sequence; give one of them"
+        raise InputError(message)
+    for name, path in (("--strip", strip), ("--movie", movie)):
+        if path is not None and not span:
+            message = f"{name} {path}: goes with --frames, of which it is made"
+            raise InputError(message)
+    if strip is not None:
+        if strip.suffix.lower() != ".png":
+            message = f"--strip {strip}: a contact strip is a PNG; name a file that ends in .png"
+            raise InputError(message)
+        check_writable(strip)
+    if movie is not None:
+        _with_blender()
+        from . import sequence
+
+        sequence.check_movie(movie)
+
+
+def _all_changed(
+    assigned: list[tuple[str, Preset]], settings: list[str] | None, at_time: float | None
+) -> list[tuple[str, Preset]]:
+    """Each preset with the settings, and at the time if it changes; one of them must."""
+    moved = [preset for _, preset in assigned if preset.time]
+    if at_time is not None and assigned and not moved:
+        _changed(assigned[0][1], None, at_time)  # says so
+    return [(name, _changed(preset, settings, at_time if preset.time else None)) for name, preset in assigned]
+
+
+def _sequence(shown: Any, span: list[int], output: Path, wanted: Any, **settings: Any) -> None:
+    from . import headless, sequence
+
+    kept, note = 0, sequence.note(wanted)
+    for frame in _progress(span, "rendering"):
+        with headless.quiet():
+            _, found = sequence.render(shown, [frame], partial(_numbered, output), note, **settings)
+        kept += found
+    left = f", {kept} of them there already" if kept else ""
+    err.print(f"wrote {len(span)} frames, {output}{left}", highlight=False, soft_wrap=True)
+
+
+def _strip(paths: list[Path], span: list[int], changed: list[tuple[str, Preset]], output: Path) -> None:
+    """A contact strip, labelled by the time of the first preset that changes, or by frame."""
+    from . import sequence
+
+    moved = next((preset.time for _, preset in changed if preset.time), None)
+    labels = [f"frame {frame}" for frame in span]
+    if moved:
+        parts = [(frame - span[0]) / max(span[-1] - span[0], 1) for frame in span]
+        unit = "of its course" if moved.unit == "share" else moved.unit
+        labels = [f"{moved.start + part * (moved.end - moved.start):.3g} {unit}" for part in parts]
+    sequence.strip(paths, labels, output)
 
 
 @app.command()
@@ -327,7 +429,12 @@ def _run(command: Callable[[], Any]) -> int:
     except Exception as error:
         if hasattr(error, "format_message"):  # a usage error of the parser
             return _fail(error.format_message(), 2)
-        if type(error).__name__ in {"MaterialError", "SceneError", "OslError"}:  # their modules need Blender
+        if type(error).__name__ in {
+            "MaterialError",
+            "AnimationError",
+            "SceneError",
+            "OslError",
+        }:  # their modules need Blender
             return _fail(str(error), 2)
         if isinstance(error, RuntimeError):  # from Blender itself
             return _fail(str(error).strip(), 3)
@@ -459,7 +566,13 @@ def _open(path: str) -> Any:
 
 
 def _assign(
-    shown: Any, changed: list[tuple[str, Preset]], backend: Backend, estimator: Estimator, bound: float, flag: str
+    shown: Any,
+    changed: list[tuple[str, Preset]],
+    backend: Backend,
+    estimator: Estimator,
+    bound: float,
+    flag: str,
+    play: Any = None,
 ) -> None:
     from . import material, scene
 
@@ -476,7 +589,7 @@ def _assign(
             known = ", ".join(sorted(other.name for other in shown.objects if other.type == "MESH"))
             message = f'{flag} "{name}={preset.id}": the scene has no object of that name; it has {known}'
             raise InputError(message)
-        choice = material.Choice(str(backend), chosen, lamps, bound=bound)
+        choice = material.Choice(str(backend), chosen, lamps, bound=bound, play=play if preset.time else None)
         if not material.apply(material.build(preset, choice), [item]):
             message = f'{flag} "{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise InputError(message)

@@ -434,8 +434,12 @@ def still(
     samples: int | None = None,
     seed: int | None = None,
     resolution: tuple[int, int] | None = None,
+    note: str = "",
 ) -> None:
-    """Render ``scene`` to ``path``: linear float EXR or PNG by its ending, whole or not at all."""
+    """Render ``scene`` to ``path``: linear float EXR or PNG by its ending, whole or not at all.
+
+    note: kept in the picture's metadata.
+    """
     if path.suffix.lower() not in FORMATS:
         message = f"{path}: unknown ending {path.suffix!r}; use .exr (linear, float) or .png"
         raise SceneError(message)
@@ -453,6 +457,7 @@ def still(
     settings.file_format = FORMATS[path.suffix.lower()]
     settings.color_mode = "RGB"
     settings.color_depth = "32" if settings.file_format == "OPEN_EXR" else "8"
+    render.use_stamp_note, render.stamp_note_text = bool(note), note
     with replacing(path) as temporary:
         render.filepath = str(temporary)
         bpy.ops.render.render(write_still=True, scene=scene.name)

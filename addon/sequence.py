@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames of a scene, taken up again where they were left; a contact strip and a movie of them.
+
+What a frame was rendered from is kept in its own metadata, so that only a frame that is wholly there and of the same
+settings counts as done.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import blf
+import bpy
+import imbuf
+import numpy as np
+
+from . import scene
+from .files import check_writable, replacing
+from .scene import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from bpy.types import Image, Scene
+    from numpy.typing import NDArray
+
+MOVIES = {".mp4": ("MPEG4", "H264"), ".webm": ("WEBM", "WEBM")}  # container and codec
+MOST_TILES, TILE_WIDTH, LABEL_HEIGHT, GAP = 8, 240, 26, 4  # of a strip; pixels
+PAPER, INK, TEXT_SIZE = 1.0, 0.15, 15
+
+
+def note(settings: Any) -> str:
+    """What goes into a frame's metadata: the same text for the same settings, in this Blender."""
+    content = json.dumps([settings, list(bpy.app.version)], sort_keys=True, default=str)
+    return f"vgroove {hashlib.sha256(content.encode()).hexdigest()}"
+
+
+def is_done(path: Path, wanted: str) -> bool:
+    """Whether ``path`` is a picture that can be read and was rendered under this note."""
+    import OpenImageIO as oiio  # noqa: N813 - its usual name; headless.prepare() has put Blender's own first
+
+    if not path.is_file():
+        return False
+    file = oiio.ImageInput.open(str(path))
+    if file is None:
+        return False
+    try:
+        return file.spec().getattribute("Note") == wanted and file.read_image() is not None
+    finally:
+        file.close()
+
+
+def render(
+    shown: Scene, frames: Iterable[int], path_of: Callable[[int], Path], wanted: str, **settings: Any
+) -> tuple[int, int]:
+    """Render the frames that are not there yet; how many were rendered, and how many were found done.
+
+    ``settings``: of ``scene.still``.
+    """
+    rendered = found = 0
+    for frame in frames:
+        path = path_of(frame)
+        if is_done(path, wanted):
+            found += 1
+            continue
+        shown.frame_set(frame)
+        scene.still(shown, path, note=wanted, **settings)
+        rendered += 1
+    return rendered, found
+
+
+# Contact strip
+
+
+def strip(paths: Sequence[Path], labels: Sequence[str], output: Path) -> None:
+    """A PNG of up to ``MOST_TILES`` of the pictures side by side, evenly chosen, the first and last among them."""
+    chosen = np.unique(np.linspace(0, len(paths) - 1, min(len(paths), MOST_TILES)).round().astype(int))
+    tiles = [np.concatenate([_tile(paths[k]), _label(labels[k])]) for k in chosen]
+    height, gap = tiles[0].shape[0], np.full((tiles[0].shape[0], GAP, 3), PAPER, np.float32)
+    parts = [part for tile in tiles for part in (gap, tile[:height])][1:]
+    write_png(np.concatenate(parts, axis=1), output)
+
+
+def _tile(path: Path) -> NDArray[np.float32]:
+    """A picture as it looks, (H, W, 3) in sRGB, TILE_WIDTH wide."""
+    image = bpy.data.images.load(str(path))
+    try:
+        width, height = image.size
+        image.scale(TILE_WIDTH, max(1, round(height * TILE_WIDTH / width)))
+        pixels = _pixels(image)
+    finally:
+        bpy.data.images.remove(image)
+    return pixels if path.suffix.lower() == ".png" else _srgb(pixels)
+
+
+def _srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
+    """IEC 61966-2-1."""
+    c = np.clip(linear, 0.0, 1.0)
+    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1.0 / 2.4) - 0.055)
+
+
+def _label(text: str) -> NDArray[np.float32]:
+    """A line of text in Blender's own font, as wide as a tile."""
+    canvas = imbuf.new((TILE_WIDTH, LABEL_HEIGHT))
+    blf.size(0, TEXT_SIZE)
+    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    blf.position(0, 4.0, 8.0, 0.0)
+    with blf.bind_imbuf(0, canvas, display_name="sRGB"):
+        blf.draw_buffer(0, text)
+    with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
+        path = Path(folder) / "label.png"
+        imbuf.write(canvas, filepath=str(path))
+        image = bpy.data.images.load(str(path))
+        cover = _pixels(image)
+        bpy.data.images.remove(image)
+    return PAPER + (INK - PAPER) * cover
+
+
+def _pixels(image: Image) -> NDArray[np.float32]:
+    width, height = image.size
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(height, width, -1)[::-1, :, :3]
+
+
+def write_png(pixels: NDArray[np.float32], output: Path) -> None:
+    """Save (H, W, 3) in sRGB, 0..1."""
+    height, width, _ = pixels.shape
+    image = bpy.data.images.new("Strip", width, height)
+    image.file_format = "PNG"
+    full = np.concatenate([pixels[::-1], np.ones((height, width, 1), np.float32)], axis=-1)
+    image.pixels.foreach_set(full.astype(np.float32).ravel())
+    try:
+        with replacing(output) as temporary:
+            image.save(filepath=str(temporary))
+    finally:
+        bpy.data.images.remove(image)
+
+
+# Movie
+
+
+def check_movie(path: Path) -> None:
+    """SceneError, before any work, for a movie that this Blender cannot write."""
+    if path.suffix.lower() not in MOVIES:
+        message = f"{path}: unknown ending {path.suffix!r}; movies are {' or '.join(MOVIES)}"
+        raise SceneError(message)
+    if not bpy.app.build_options.codec_ffmpeg:
+        message = f"{path}: this Blender was built without FFmpeg and writes no movies; leave --movie out"
+        raise SceneError(message)
+    check_writable(path)
+
+
+def movie(paths: Sequence[Path], output: Path, fps: int) -> None:
+    """The pictures one after another, as they look, by Blender's own FFmpeg."""
+    image = bpy.data.images.load(str(paths[0]))
+    width, height = image.size
+    bpy.data.images.remove(image)
+    shown = bpy.data.scenes.new("VGroove movie")
+    try:
+        editor = shown.sequence_editor_create()
+        row = editor.strips.new_image("Frames", str(paths[0]), 1, 1)
+        for path in paths[1:]:
+            row.elements.append(path.name)
+        shown.frame_start, shown.frame_end = 1, len(paths)
+        render, settings = shown.render, shown.render.image_settings
+        render.fps, render.resolution_percentage = fps, 100
+        render.resolution_x, render.resolution_y = width - width % 2, height - height % 2  # codecs halve colour
+        render.use_file_extension = False
+        shown.view_settings.view_transform = "Standard"
+        if bpy.app.version >= (5, 0, 0):  # 4.5 knows one list of formats. Goes with 4.5 LTS.
+            settings.media_type = "VIDEO"
+        settings.file_format = "FFMPEG"
+        render.ffmpeg.format, render.ffmpeg.codec = MOVIES[output.suffix.lower()]
+        render.ffmpeg.constant_rate_factor = "HIGH"
+        with replacing(output) as temporary:
+            render.filepath = str(temporary)
+            bpy.ops.render.render(animation=True, scene=shown.name)
+    finally:
+        bpy.data.scenes.remove(shown)
