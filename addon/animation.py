@@ -332,9 +332,9 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
     held = trajectory_group.keys_of(node.node_tree)
     courses = {by_label[label]: of for label, of in held.items() if label in by_label}
     frames = _frames_of_ages(material, node)
-    _drop_trajectory(material, node)
-    for (name, socket), course in courses.items():
-        keys = frames(name, course)
+    played = [(socket, frames(name, course)) for (name, socket), course in courses.items()]
+    _drop_trajectory(material, node)  # takes the curve of Age along
+    for socket, keys in played:
         for channel, part in enumerate(_channels(keys)):
             if np.ptp(part.values) > 0.0:
                 _keyed(material.node_tree, socket, channel, part, "linear")

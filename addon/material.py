@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -48,7 +48,7 @@ from .timeline import Timeline
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from bpy.types import Material, Node, NodeSocket, Object, ShaderNodeTree
+    from bpy.types import FCurve, Material, Node, NodeSocket, Object, ShaderNodeTree
 
     from ..nodegroups._tree import Tree
 
@@ -329,16 +329,62 @@ def reset(material: Material) -> None:
     _show_in_solid_view(material, origin_of(material).preset)
 
 
+def curves(material: Material) -> list[FCurve]:
+    """The F-curves that play the course of a material that ``build`` made."""
+    return animation.curves_of(material, parameter_sockets(material).values())
+
+
+def plays(material: Material) -> bool:
+    """Whether a material that ``build`` made changes over time."""
+    return bool(curves(material)) or animation.trajectory_node(material) is not None
+
+
+def preset_of(material: Material) -> Preset:
+    """The preset that a material came from, as it was then, with its course where the presets of today have one."""
+    if (played := course_of(material)) is not None:
+        return played[0]
+    origin = origin_of(material).preset
+    same = all_presets().get(origin.id)
+    parameters = _parameters_of(material)
+    fits = same is not None and same.time is not None and set(same.time.laws) <= set(parameters)
+    return replace(origin, parameters=parameters, time=same.time if same and fits else None)
+
+
+def play(material: Material, how: Play) -> None:
+    """Have a material that ``build`` made play its preset's course, in place of one that it plays already."""
+    preset, backend = preset_of(material), json.loads(material[KEY])[5]
+    if preset.time is None:
+        message = f"{material.name}: {preset.id} does not change over time; choose a preset that does"
+        raise MaterialError(message)
+    course, edited = preset.trajectory(), is_edited(material)
+    sockets = parameter_sockets(material)
+    animation.remove(material, sockets)
+    animation.animate(material, {name: sockets[name] for name in course.laws}, course, how, preset.name, backend)
+    material[TIME] = json.dumps({"play": asdict(how), "time": asdict(preset.time)})
+    if not edited:
+        material[STATE] = _state(material)
+
+
+def stop(material: Material) -> None:
+    """Take a material's course away; it stays as the current frame shows it."""
+    animation.remove(material, parameter_sockets(material))
+    if TIME in material:
+        del material[TIME]
+
+
+def _parameters_of(material: Material) -> dict[str, Any]:
+    """The numbers that a material was built with."""
+    kept = json.loads(material[KEY])[4]
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in kept.items()}
+
+
 def course_of(material: Material) -> tuple[Preset, Play] | None:
     """The preset whose course a material was built to play, and how; None of a material that stands still."""
     if TIME not in material:
         return None
     kept = json.loads(material[TIME])
-    identity, model, kind, coupled, parameters, *_ = json.loads(material[KEY])
-    now = {name: tuple(value) if isinstance(value, list) else value for name, value in parameters.items()}
-    name = origin_of(material).preset.name
-    time = Timeline(**kept["time"])
-    return Preset(identity, name, model, kind, now, {}, coupled=coupled, time=time), Play(**kept["play"])
+    preset = replace(origin_of(material).preset, parameters=_parameters_of(material), time=Timeline(**kept["time"]))
+    return preset, Play(**kept["play"])
 
 
 def _is_model(node: Node) -> bool:
@@ -348,9 +394,9 @@ def _is_model(node: Node) -> bool:
 def _state(material: Material) -> str:
     """The inputs that artists can turn, and what is linked, as one comparable text."""
     values: list[Any] = []
-    curves = animation.curves_of(material, parameter_sockets(material).values())
-    moving = {curve.data_path for curve in curves}
-    for curve in curves:
+    found = curves(material)
+    moving = {curve.data_path for curve in found}
+    for curve in found:
         keys = [[round(float(part), 5) for part in point.co] for point in curve.keyframe_points]
         values.append([curve.data_path, curve.array_index, keys])
     if (course := animation.trajectory_node(material)) is not None:

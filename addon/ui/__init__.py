@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from .. import presets
-from . import operators, panels, preferences, properties, thumbnails
+from . import course, operators, panels, preferences, properties, thumbnails
 
 _registered = ExitStack()
 
@@ -17,7 +17,7 @@ _registered = ExitStack()
 def register() -> None:
     """Called when the extension is switched on; leaves nothing behind if a step fails."""
     with ExitStack() as undo:
-        for kind in (*preferences.CLASSES, *properties.CLASSES, *operators.CLASSES, *panels.CLASSES):
+        for kind in (*preferences.CLASSES, *properties.CLASSES, *operators.CLASSES, *panels.CLASSES, *course.CLASSES):
             bpy.utils.register_class(kind)
             undo.callback(bpy.utils.unregister_class, kind)
         thumbnails.register()
@@ -26,6 +26,8 @@ def register() -> None:
         undo.callback(presets.set_user_folder, None)
         bpy.types.Scene.vgroove = bpy.props.PointerProperty(type=properties.VGrooveSettings)
         undo.callback(delattr, bpy.types.Scene, "vgroove")
+        bpy.types.Scene.vgroove_course = bpy.props.PointerProperty(type=course.VGrooveCourse)
+        undo.callback(delattr, bpy.types.Scene, "vgroove_course")
         _registered.enter_context(undo.pop_all())
 
 

@@ -11,10 +11,10 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...nodegroups.osl_script import OslError
-from .. import material, preset_files, presets, scene
+from .. import animation, material, preset_files, presets, scene
 from ..files import replacing
 from ..preset_checks import PresetError
-from . import memory
+from . import course, memory
 from .properties import chosen_preset
 
 if TYPE_CHECKING:
@@ -45,9 +45,10 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         try:
             preset = chosen_preset(settings)
             lamps = scene.lamps_to_bind(context.scene, estimator, preset.model)
-            choice = material.Choice(settings.backend, estimator, lamps, bound=settings.bound / 100.0)
+            play = course.play_of(context.scene) if preset.time and context.scene.vgroove_course.play else None
+            choice = material.Choice(settings.backend, estimator, lamps, bound=settings.bound / 100.0, play=play)
             made = material.build(preset, choice)
-        except (material.MaterialError, OslError) as error:
+        except (material.MaterialError, animation.AnimationError, OslError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         count = material.apply(made, context.selected_objects)

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-import blf
 import bpy
 
 from .. import material, presets
 from . import memory, operators, properties
 from .preferences import ROOT
+from .text import lines
 
 
 class _InSidebar:
@@ -130,33 +130,6 @@ def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, p
     row.operator("vgroove.favourite", text="", icon=star)
     if not properties.found(settings):
         column.label(text="No preset is like that; choose All or clear the search", icon="INFO")
-
-
-def lines(layout: bpy.types.UILayout, text: str, width: int, icon: str = "NONE") -> None:
-    """A text broken to the region's width; labels do not wrap by themselves.
-
-    A boxed label with an icon has 98 pixels less than the region, a plain one 68 (seen at scale 1 in Blender 5.2).
-    """
-    scale = bpy.context.preferences.system.ui_scale
-    room = width - (98 if icon != "NONE" else 68) * scale
-    column = layout.column(align=True)
-    column.scale_y = 0.8
-    for index, line in enumerate(wrapped(text, room, scale)):
-        column.label(text=line, icon=icon if index == 0 else "BLANK1" if icon != "NONE" else "NONE")
-
-
-def wrapped(text: str, room: float, scale: float) -> list[str]:
-    """``text`` in lines no wider than ``room`` pixels as Blender's own font draws them; one word at the least."""
-    points = bpy.context.preferences.ui_styles[0].widget.points * scale
-    blf.size(0, points)
-    rows: list[str] = []
-    for word in text.split():
-        longer = f"{rows[-1]} {word}" if rows else word
-        if rows and blf.dimensions(0, longer)[0] <= room:
-            rows[-1] = longer
-        else:
-            rows.append(word)
-    return rows
 
 
 CLASSES = (VGROOVE_PT_material, VGROOVE_PT_advice, VGROOVE_PT_parameters, VGROOVE_PT_source)

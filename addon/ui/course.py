@@ -1,0 +1,311 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The courses of materials that change: how Apply plays them, and what can be done to them. Each is one undo step."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from ...nodegroups.osl_script import OslError
+from ...nodegroups.trajectory import AGE, OFFSET, RATE
+from .. import animation, material, presets
+from ..preset_checks import PresetError
+from ..reference.keyframes import TOLERANCE, TOLERANCES
+from . import properties
+from .text import lines
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+def ours(context: bpy.types.Context) -> list[bpy.types.Material]:
+    """The active materials of the selected objects that came from a preset and can be edited, each once."""
+    found = [item.active_material for item in context.selected_objects if item.active_material]
+    return list(dict.fromkeys(one for one in found if material.KEY in one and one.library is None))
+
+
+def moving(context: bpy.types.Context) -> list[bpy.types.Material]:
+    """Those of them that play a course, by curves or by Age."""
+    return [one for one in ours(context) if material.plays(one)]
+
+
+class _Course:
+    """What the operators share: they work on the materials of the selected objects, and refuse in words."""
+
+    bl_options = {"REGISTER", "UNDO"}
+    needs = staticmethod(moving)
+    wanting = "Select objects whose active material came from this panel and changes over time"
+    done = ""
+    if TYPE_CHECKING:
+        report: Any
+        poll_message_set: Any
+
+    def do(self, context: bpy.types.Context, one: bpy.types.Material) -> None:
+        """What is done to one material."""
+        raise NotImplementedError
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not cls.needs(context):
+            cls.poll_message_set(cls.wanting)
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        chosen = type(self).needs(context)
+        try:
+            for one in chosen:
+                self.do(context, one)
+        except (animation.AnimationError, PresetError, material.MaterialError, OslError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        context.scene.frame_set(context.scene.frame_current, subframe=context.scene.frame_subframe)  # shows the change
+        self.report({"INFO"}, f"{self.done}: {', '.join(one.name for one in chosen)}")
+        return {"FINISHED"}
+
+
+class VGROOVE_OT_course_add(_Course, bpy.types.Operator):
+    """Have the materials of the selected objects change over time as their presets say, by the settings above."""
+
+    bl_idname = "vgroove.course_add"
+    bl_label = "Add Course"
+    bl_description = "Have the materials of the selected objects change over time as their presets say, as set above"
+    wanting = "Select objects whose active material came from a preset that changes over time"
+    done = "Changes over time now"
+
+    @staticmethod
+    def needs(context: bpy.types.Context) -> list[bpy.types.Material]:
+        return [one for one in ours(context) if material.preset_of(one).time]
+
+    def do(self, context: bpy.types.Context, one: bpy.types.Material) -> None:
+        material.play(one, play_of(context.scene))
+
+
+class VGROOVE_OT_course_retime(_Course, bpy.types.Operator):
+    """Move and stretch all keys to the start and length above."""
+
+    bl_idname = "vgroove.course_retime"
+    bl_label = "Retime"
+    bl_description = "Move and stretch the keys of the selected objects' materials to the start and length above"
+    done = "Retimed"
+
+    def do(self, context: bpy.types.Context, one: bpy.types.Material) -> None:
+        play = play_of(context.scene)
+        animation.retime(material.curves(one), play.start, play.length)
+
+
+class VGROOVE_OT_course_reverse(_Course, bpy.types.Operator):
+    """Play the course backwards over the same frames."""
+
+    bl_idname = "vgroove.course_reverse"
+    bl_label = "Reverse"
+    bl_description = "Play the courses of the selected objects' materials backwards, over the same frames"
+    done = "Reversed"
+
+    def do(self, _context: bpy.types.Context, one: bpy.types.Material) -> None:
+        animation.reverse(material.curves(one))
+
+
+class VGROOVE_OT_course_bake(_Course, bpy.types.Operator):
+    """Turn courses that Age drives into F-curves on the inputs."""
+
+    bl_idname = "vgroove.course_bake"
+    bl_label = "Bake to Curves"
+    bl_description = "Turn courses that Age drives into F-curves on the inputs, to edit them in the Graph Editor"
+    wanting = "Select objects whose active material is driven by Age"
+    done = "Has curves now"
+
+    @staticmethod
+    def needs(context: bpy.types.Context) -> list[bpy.types.Material]:
+        return [one for one in moving(context) if animation.trajectory_node(one)]
+
+    def do(self, _context: bpy.types.Context, one: bpy.types.Material) -> None:
+        animation.bake(one, material.parameter_sockets(one))
+
+
+class VGROOVE_OT_course_remove(_Course, bpy.types.Operator):
+    """Take the course away: the material stays as the current frame shows it."""
+
+    bl_idname = "vgroove.course_remove"
+    bl_label = "Remove Course"
+    bl_description = (
+        "Take the courses of the selected objects' materials away; they stay as the current frame shows them"
+    )
+    done = "Stands still now"
+
+    def do(self, _context: bpy.types.Context, one: bpy.types.Material) -> None:
+        material.stop(one)
+
+
+def _rate() -> float:
+    render = bpy.context.scene.render
+    return float(render.fps / render.fps_base)
+
+
+def _in_seconds(name: str) -> dict[str, Any]:
+    """Getter and setter of a number of frames as seconds of the scene's frame rate."""
+
+    def read(settings: VGrooveCourse) -> float:
+        return float(getattr(settings, name) / _rate())
+
+    def write(settings: VGrooveCourse, seconds: float) -> None:
+        setattr(settings, name, seconds * _rate())
+
+    return {"get": read, "set": write}
+
+
+class VGrooveCourse(bpy.types.PropertyGroup):
+    """How a preset that changes is played."""
+
+    play: bpy.props.BoolProperty(
+        name="Play Its Course",
+        description="Apply has the material change over time; without it, the material stays as it is at the start",
+        default=True,
+    )
+    driving: bpy.props.EnumProperty(
+        name="Driven by",
+        description="What plays the course",
+        items=(
+            ("curves", "Curves", "F-curves on the inputs that change, to edit in the Graph Editor", "FCURVE", 0),
+            ("age", "Age", "One keyed Age: textures can drive each point's Rate and Offset", "TIME", 1),
+        ),
+        default="curves",
+    )
+    unit: bpy.props.EnumProperty(
+        name="Unit",
+        description="In what start and length are given",
+        items=(("frames", "Frames", "Frames of the scene", 0), ("seconds", "Seconds", "At the scene's frame rate", 1)),
+        default="frames",
+    )
+    start: bpy.props.FloatProperty(
+        name="Start", description="Frame at which the course begins; before it the material is as at the start",
+        default=1.0, soft_min=0.0, soft_max=1000.0, min=animation.FRAMES[0], max=animation.FRAMES[1], precision=2,
+    )  # fmt: skip
+    length: bpy.props.FloatProperty(
+        name="Length", description="For how many frames the course goes; after them the material is as at the end",
+        default=240.0, soft_min=1.0, soft_max=1000.0, min=animation.LENGTHS[0], max=animation.LENGTHS[1], precision=2,
+    )  # fmt: skip
+    start_seconds: bpy.props.FloatProperty(
+        name="Start", description="When the course begins, in seconds from frame 0", unit="TIME_ABSOLUTE",
+        min=-1e5, max=1e5, **_in_seconds("start"),
+    )  # fmt: skip
+    length_seconds: bpy.props.FloatProperty(
+        name="Length", description="For how many seconds the course goes", unit="TIME_ABSOLUTE",
+        min=1e-7, max=1e7, **_in_seconds("length"),
+    )  # fmt: skip
+    tolerance: bpy.props.FloatProperty(
+        name="Tolerance",
+        description="By how much of a parameter's range its keys may miss its law; less takes more keys",
+        default=100.0 * TOLERANCE, min=100.0 * TOLERANCES[0], max=100.0 * TOLERANCES[1], soft_min=0.01,
+        subtype="PERCENTAGE", precision=3,
+    )  # fmt: skip
+    interpolation: bpy.props.EnumProperty(
+        name="Between Keys",
+        description="How curves go from key to key; a course driven by Age goes straight",
+        items=(
+            ("linear", "Straight", "Straight lines: what Age plays as well, and what was measured", "IPO_LINEAR", 0),
+            ("shape", "Shape", "Handles that follow the law's shape: fewer keys, and none overshoots", "IPO_BEZIER", 1),
+        ),
+        default="linear",
+    )
+
+
+def play_of(shown: bpy.types.Scene) -> animation.Play:
+    """The panel's settings."""
+    chosen = shown.vgroove_course
+    interpolation = chosen.interpolation if chosen.driving == "curves" else "linear"
+    return animation.Play(chosen.driving, chosen.start, chosen.length, chosen.tolerance / 100.0, interpolation)
+
+
+@cache
+def key_count(identity: str, tolerance: float, interpolation: str) -> int:
+    """How many keys a preset's course takes."""
+    play = animation.Play(tolerance=tolerance, interpolation=interpolation)
+    found = animation.keyframes(presets.all_presets()[identity].trajectory(), play)
+    return sum(keys.times.size for keys in found.values())
+
+
+class VGROOVE_PT_course(bpy.types.Panel):
+    """How the chosen preset changes over time, and what the active material's course can be made to do."""
+
+    bl_label = "Change Over Time"
+    bl_parent_id = "VGROOVE_PT_material"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "V-Groove"
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return properties.chosen_preset(context.scene.vgroove).time is not None or bool(moving(context))
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vgroove_course
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        preset = properties.chosen_preset(context.scene.vgroove)
+        if preset.time is not None:
+            of = preset.time
+            names = ", ".join(material.socket_name(name) for name in of.laws)
+            span = "its whole course" if of.unit == "share" else f"{of.start:g} to {of.end:g} {of.unit}"
+            lines(layout, f"{preset.name} ({of.kind}) changes over {span}: {names}", context.region.width)
+            layout.prop(settings, "play")
+        draw_settings(layout, settings, preset)
+        found = moving(context)
+        column = layout.column(align=True)
+        if preset.time is not None and not found:
+            column.operator("vgroove.course_add", icon="ADD")
+        row = column.row(align=True)
+        row.operator("vgroove.course_retime", icon="TIME")
+        row.operator("vgroove.course_reverse", icon="ARROW_LEFTRIGHT")
+        row = column.row(align=True)
+        row.operator("vgroove.course_bake", icon="FCURVE")
+        row.operator("vgroove.course_remove", text="Remove", icon="X")
+        draw_clocks(layout, found)
+
+
+def draw_settings(layout: bpy.types.UILayout, settings: VGrooveCourse, preset: presets.Preset) -> None:
+    """Driving, start and length, and how near the keys are."""
+    column = layout.column()
+    column.row().prop(settings, "driving", expand=True)
+    column.row().prop(settings, "unit", expand=True)
+    suffix = "" if settings.unit == "frames" else "_seconds"
+    column.prop(settings, f"start{suffix}")
+    column.prop(settings, f"length{suffix}")
+    if settings.driving == "curves":
+        column.row().prop(settings, "interpolation", expand=True)
+    column.prop(settings, "tolerance")
+    if preset.time is not None:
+        shape = settings.interpolation if settings.driving == "curves" else "linear"
+        split = column.split(factor=0.4)
+        split.label()
+        split.label(text=f"{key_count(preset.id, round(settings.tolerance / 100.0, 9), shape)} keys")
+
+
+def draw_clocks(layout: bpy.types.UILayout, found: Iterable[bpy.types.Material]) -> None:
+    """Age, Rate and Offset of materials that have them."""
+    for one in found:
+        node = animation.trajectory_node(one)
+        if node is None:
+            continue
+        column = layout.column()
+        column.label(text=one.name, icon="MATERIAL")
+        for name in (AGE, RATE, OFFSET):
+            socket = node.inputs[name]
+            if socket.is_linked:
+                column.label(text=f"{name}: from a texture", icon="TEXTURE")
+            else:
+                column.prop(socket, "default_value", text=name)
+
+
+CLASSES = (
+    VGrooveCourse,
+    VGROOVE_OT_course_add,
+    VGROOVE_OT_course_retime,
+    VGROOVE_OT_course_reverse,
+    VGROOVE_OT_course_bake,
+    VGROOVE_OT_course_remove,
+    VGROOVE_PT_course,
+)
