@@ -443,7 +443,7 @@ def _drop_trajectory(material: Material, node: Node) -> None:
         texts = [one.script for one in group.nodes if one.bl_idname == "ShaderNodeScript"]
         bpy.data.node_groups.remove(group)
     for text in texts:
-        if text is not None and text.users == 0:
+        if text is not None and text.users <= text.use_fake_user:
             bpy.data.texts.remove(text)
     _drop_action(material.node_tree)
 

@@ -22,11 +22,12 @@ from .material import Choice, binds, build
 from .reference.hybrid import DEFAULT_BOUND
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from bpy.types import Material, Node, Object, Scene, World
     from numpy.typing import NDArray
 
+    from .animation import Play
     from .presets import Preset
 
 
@@ -107,6 +108,31 @@ def measure_preset(
         return build(preset, Choice(backend, estimator, suns, shadows=False, bound=bound))
 
     return _measure(make, geometry, samples, seed, shading_osl)
+
+
+def measure_course(
+    preset: Preset, backend: str, estimator: str, geometry: Geometry, play: Play, frames: Sequence[float], *,
+    samples: int = 1, shading_osl: bool = True,
+) -> NDArray[np.float32]:  # fmt: skip
+    """As ``measure_preset``, of a material that plays ``preset``'s course, at each of ``frames``: (N, H, W, 3).
+
+    Each frame has a seed of its own.
+    """
+    with stage(geometry.resolution, samples=samples, seed=0, shading_osl=shading_osl) as scene:
+        scene.render.use_persistent_data = True
+        suns = light(scene, geometry)
+        bound = suns if binds(estimator, geometry.sun_angle, preset.model) else ()
+        _patch(scene, build(preset, Choice(backend, estimator, bound, shadows=False, play=play)))
+        _camera(scene, geometry)
+        images, shown = [], bpy.context.scene
+        before = shown.frame_current, shown.frame_subframe
+        for seed, frame in enumerate(frames):
+            scene.cycles.seed = seed
+            for one in (scene, shown):  # what is rendered is the window's frame, whatever scene is asked for
+                one.frame_set(int(frame), subframe=frame - int(frame))
+            images.append(rendered(scene))
+        shown.frame_set(before[0], subframe=before[1])
+    return np.stack(images)
 
 
 def _measure(
