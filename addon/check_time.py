@@ -28,15 +28,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from .reference import Model
+    from .reference import Keyframes, Model
 
 MOMENTS = 20  # of a course
 THETAS = (20.0, 45.0, 70.0, 85.0)  # of the sun, in turn
 FRAMES, MOST_FRAMES = 240.0, 1e6  # a course is played in at least so many; Blender ends at 1048574
 APART = 0.01  # frames between keys, at least: ten times CLOSEST
-FURNACE, FURNACE_SAMPLES = gonio.Geometry(furnace=True, resolution=(64, 8)), 256
+FURNACE, FURNACE_SAMPLES = gonio.Geometry(furnace=True, resolution=(64, 8)), 96
 TOGETHER = 8  # pixels of a row of the furnace
-GRIDS = (48, 72)  # nodes of two quadratures; they part by as much as the finer is known
+GRIDS = (30, 44)  # nodes of two quadratures; they part by as much as the finer is known
 NOISY_ROWS = 4  # of the plan; a test holds it to the plan
 
 
@@ -58,7 +58,7 @@ def moments(preset: Preset, play: Play) -> list[float]:
 
 
 @cache
-def _keys(identity: str, tolerance: float) -> dict[str, animation.Keyframes]:
+def _keys(identity: str, tolerance: float) -> dict[str, Keyframes]:
     return animation.keyframes(find(identity).trajectory(), Play(tolerance=tolerance))
 
 
@@ -73,25 +73,25 @@ def at_frame(preset: Preset, play: Play, frame: float) -> Preset:
 
 
 def direct_row(setup: Setup, driving: str, name: str) -> Row:
-    """``direct`` on the hemisphere and around the mirror direction, at each moment with the bar of its slope."""
+    """``direct`` at each moment, with the bar of its slope: in turn on the hemisphere and around the mirror direction."""
     preset = find(name)
     play = play_of(preset, driving)
     frames = moments(preset, play)
     row = Row(f"direct by {driving}", setup, preset.name, preset.m)
-    for index, theta_i in enumerate(THETAS):
-        for window in (0.0, check.WINDOW):
-            geometry = gonio.Geometry(theta_i, window, (32, 32))
-            wi, wo = geometry.wi(), geometry.wo()
-            now = frames[index :: len(THETAS)]
-            with headless.quiet():
-                images = gonio.measure_course(
-                    preset, setup.backend, "direct", geometry, play, now, shading_osl=setup.shading_osl
-                )
-            for frame, image in zip(now, images.astype(np.float64), strict=True):
-                shown = at_frame(preset, play, frame)
-                expected = rendered(shown.reference(), "direct")(wi, wo)
-                bar = check.direct_bar(shown.m or 1.0)  # a diffuse material has no slope
-                row.views.append(View(geometry, image, expected, bar, float(np.max(expected))))
+    ways = [(theta_i, window) for window in (0.0, check.WINDOW) for theta_i in THETAS]
+    for index, (theta_i, window) in enumerate(ways):
+        geometry = gonio.Geometry(theta_i, window, (32, 32))
+        wi, wo = geometry.wi(), geometry.wo()
+        now = frames[index :: len(ways)]
+        with headless.quiet():
+            images = gonio.measure_course(
+                preset, setup.backend, "direct", geometry, play, now, shading_osl=setup.shading_osl
+            )
+        for frame, image in zip(now, images.astype(np.float64), strict=True):
+            shown = at_frame(preset, play, frame)
+            expected = rendered(shown.reference(), "direct")(wi, wo)
+            bar = check.direct_bar(shown.m or 1.0)  # a diffuse material has no slope
+            row.views.append(View(geometry, image, expected, bar, float(np.max(expected))))
     return row
 
 
