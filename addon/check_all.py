@@ -6,7 +6,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from . import check, check_glass, check_hybrid, check_oren_nayar, check_sum
+from . import check, check_glass, check_hybrid, check_oren_nayar, check_sum, check_time
 from .material import ESTIMATORS
 
 if TYPE_CHECKING:
@@ -29,4 +29,11 @@ def quick_plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
 def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
     """Every row, as the function that measures it and its arguments."""
     glass = [(partial(measure, **more), arguments) for measure, arguments, more in check_glass.plan()]
-    return [*check.plan(), *check_hybrid.plan(), *check_oren_nayar.plan(), *check_sum.plan(), *glass]
+    return [
+        *check.plan(),
+        *check_hybrid.plan(),
+        *check_oren_nayar.plan(),
+        *check_sum.plan(),
+        *check_time.plan(),
+        *glass,
+    ]

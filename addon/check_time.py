@@ -73,7 +73,7 @@ def at_frame(preset: Preset, play: Play, frame: float) -> Preset:
 
 
 def direct_row(setup: Setup, driving: str, name: str) -> Row:
-    """``direct`` at each moment, with the bar of its slope: in turn on the hemisphere and around the mirror direction."""
+    """``direct`` at each moment by the bar of its slope, in turn on the hemisphere and around the mirror direction."""
     preset = find(name)
     play = play_of(preset, driving)
     frames = moments(preset, play)

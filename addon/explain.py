@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..nodegroups import eevee
+from . import animation, scene
 from . import lamps as lamp_binding
-from . import scene
+from .animation import Play
 from .material import NATIVE, RANDOM, Choice, absorbs, build
 
 if TYPE_CHECKING:
@@ -93,7 +94,13 @@ def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
     if preset.kind in FRESNEL:
         others = [kind for kind in FRESNEL if kind != preset.kind]
         yield Line(f"Fresnel terms: {', '.join(others)}", "the preset needs one", kept=False)
-    yield Line("time", "the preset does not change: no drivers of time, no keys", kept=False)
+    if preset.time is None:
+        yield Line("time", "the preset does not change: no drivers of time, no keys", kept=False)
+    else:
+        of, keys = preset.time, animation.keyframes(preset.trajectory(), Play())
+        counts = ", ".join(f"{name} {found.times.size}" for name, found in keys.items())
+        why = f"a still shows one moment of {of.start:g} to {of.end:g} {of.unit}; a sequence plays keys: {counts}"
+        yield Line(f"course over time ({of.kind})", why, kept=False)
     if preset.model not in {"oren_nayar", "sum", "car_paint", "translucent"}:
         yield Line("diffuse part", "the preset has none", kept=False)
     if preset.transparent and not absorbs(preset):

@@ -161,10 +161,8 @@ def _shaped(times: Floats, values: Floats, allowed: float, *, scalar: bool) -> K
         return np.clip(values[i] + right[i] * third, low, high), np.clip(values[j] - left[j] * third, low, high)
 
     def is_near(i: int, j: int) -> bool:
-        between = np.union1d(times[i : j + 1], 0.5 * (times[i:j] + times[i + 1 : j + 1]))
-        u = ((between - times[i]) / (times[j] - times[i]))[:, None]
-        chords = np.stack([np.interp(between, times[i : j + 1], v) for v in values[i : j + 1].T], axis=-1)
-        return bool(np.max(np.abs(bezier(values[i], *handles(i, j), values[j], u) - chords)) <= allowed)
+        u = ((times[i : j + 1] - times[i]) / (times[j] - times[i]))[:, None]
+        return _farthest(values[i], *handles(i, j), values[j], u, values[i : j + 1]) <= allowed
 
     chosen, last = [0], times.size - 1
     before, after = [values[0]], []
@@ -176,13 +174,30 @@ def _shaped(times: Floats, values: Floats, allowed: float, *, scalar: bool) -> K
                 j, step = j + step, 2 * step
             else:
                 step //= 2
-        pair = handles(i, j) if is_near(i, j) else (values[i], values[j])  # level handles where the law has a corner
+        rise = (values[j] - values[i]) / 3.0  # straight where the law has a corner
+        pair = handles(i, j) if is_near(i, j) else (values[i] + rise, values[j] - rise)
         after.append(pair[0])
         before.append(pair[1])
         chosen.append(j)
     after.append(values[last])
     parts = (values[chosen], np.array(before), np.array(after))
     return Keyframes(times[chosen], *(part[:, 0] if scalar else part for part in parts))
+
+
+def _farthest(a: Floats, b: Floats, c: Floats, d: Floats, u: Floats, values: Floats) -> float:
+    """The largest distance of a cubic from the polyline of ``values`` at ``u`` (n, 1).
+
+    On each piece it is where the cubic's slope is the piece's, or at an end: a quadratic's roots, drawn into the piece.
+    """
+    slope = np.diff(values, axis=0) / np.diff(u, axis=0)
+    square, linear, constant = 3.0 * (d - 3.0 * c + 3.0 * b - a), 6.0 * (a - 2.0 * b + c), 3.0 * (b - a) - slope
+    q = -0.5 * (linear + np.copysign(np.sqrt(np.maximum(linear**2 - 4.0 * square * constant, 0.0)), linear))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        roots = [q / square, constant / q]
+    found = [np.clip(np.where(np.isnan(root), u[:-1], root), u[:-1], u[1:]) for root in roots]
+    off = [np.abs(bezier(a, b, c, d, u) - values)]
+    off += [np.abs(bezier(a, b, c, d, at) - values[:-1] - slope * (at - u[:-1])) for at in found]
+    return float(max(np.max(one) for one in off))
 
 
 def _slopes(times: Floats, values: Floats) -> Floats:
