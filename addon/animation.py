@@ -107,8 +107,9 @@ def animate(
     if play.driving == "curves":
         for name, of in moving.items():
             for channel, part in enumerate(_channels(of)):
-                if np.ptp(part.values) > 0.0 or part.times.size == 1:
+                if np.ptp(part.values) > 0.0:
                     _keyed(tree, sockets[name], channel, _of_frames(part, play), play.interpolation)
+        _name_action(material)
         return
     courses = {sockets[name].name: _course(name, of) for name, of in moving.items()}
     _add_trajectory(material, {sockets[name].name: sockets[name] for name in moving}, courses, title, backend)
@@ -116,6 +117,13 @@ def animate(
     ages = Keyframes(np.array([play.start, play.start + play.length]), np.array([0.0, 1.0]))
     assert node is not None  # noqa: S101 - it was made
     _keyed(tree, node.inputs[AGE], 0, ages, "linear")
+    _name_action(material)
+
+
+def _name_action(material: Material) -> None:
+    data = material.node_tree.animation_data
+    if data is not None and data.action is not None:
+        data.action.name = f"{material.name} Course"
 
 
 def _course(name: str, keys: Keyframes) -> list[Key]:
@@ -198,6 +206,16 @@ def _bag(tree: ShaderNodeTree, *, make: bool = False) -> ChannelBag | None:
     if not action.layers or not action.layers[0].strips:
         return None
     return action.layers[0].strips[0].channelbag(data.action_slot)
+
+
+def make_own(material: Material) -> None:
+    """Give a material that was duplicated curves of its own; Blender has both share them."""
+    data = material.node_tree.animation_data
+    if data is None or data.action is None or data.action.users - data.action.use_fake_user < 2:
+        return
+    identifier = data.action_slot.identifier
+    data.action = data.action.copy()
+    data.action_slot = data.action.slots[identifier]
 
 
 def _keyed(tree: ShaderNodeTree, socket: NodeSocket, channel: int, keys: Keyframes, interpolation: str) -> None:
@@ -318,6 +336,7 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
 
     A clock that differs from point to point cannot be baked: AnimationError if Rate or Offset is linked.
     """
+    make_own(material)
     node = trajectory_node(material)
     if node is None:
         message = f"{material.name} is not driven by Age; its inputs have their own curves already, or none"
@@ -342,6 +361,7 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
                 socket.default_value[channel] = part.values[0]
             else:
                 socket.default_value = part.values[0]
+    _name_action(material)
 
 
 def _frames_of_ages(material: Material, node: Node) -> Callable[[str, Sequence[Key]], Keyframes]:
@@ -396,6 +416,7 @@ class _Sampled:
 
 def remove(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
     """Take the course away; the material stays as the current frame shows it."""
+    make_own(material)
     frame = bpy.context.scene.frame_current_final
     for curve in curves_of(material, sockets.values()):  # an unused material's inputs do not follow the frame
         _hold(material, curve, curve.evaluate(frame))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from vgroove.addon import scene
-from vgroove.addon.material import KEY, Choice, build, origin_of
+from vgroove.addon.material import KEY, Choice, build, origin_of, plays
 from vgroove.addon.presets import shipped
 
 pytestmark = pytest.mark.blender
@@ -78,6 +78,14 @@ def test_appended_materials_render_as_those_built_directly(balls, blender, libra
     again = balls(lambda _: [found[preset.id] for preset in members], lit="above")
     np.testing.assert_array_equal(again, direct)
     assert direct.std(axis=1).min() > 0.0
+
+
+def test_assets_that_change_bring_their_course(blender, library):
+    """F-curves that move the inputs; those that stand still bring no action."""
+    found = appended(blender, library)
+    assert len(blender.data.actions) == sum(preset.time is not None for preset in shipped().values())
+    for identity, one in found.items():
+        assert plays(one) == (shipped()[identity].time is not None), identity
 
 
 def test_assets_bring_no_more_than_they_need(blender, library):

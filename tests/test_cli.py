@@ -57,6 +57,22 @@ def test_presets_as_json_hold_the_contract():
         (["measure", "copper", "--furnace", "--estimator", "direct", "-o", "a.exr"], "direct sees lamps alone"),
         (["measure", "copper", "--furnace", "--window", "5", "-o", "a.exr"], "--furnace has no sun"),
         (["frobnicate"], "No such command"),
+        (["render", "rusting_iron", "-o", "a.png", "--time", "nan"], "--time: must be a number of share, got nan"),
+        (["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--time", "1"], "give one of them"),
+        (["render", "rusting_iron", "-o", "a.png", "--strip", "s.png"], "--strip s.png: goes with --frames"),
+        (
+            ["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--strip", "s.exr"],
+            "a contact strip is a PNG",
+        ),
+        (
+            ["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--movie", "s.avi"],
+            "movies are .mp4 or .webm",
+        ),
+        (["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--movie", "no/s.mp4"], "no/s.mp4: the folder"),
+        (
+            ["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--tolerance", "9"],
+            "tolerance must be between",
+        ),
     ],
     ids=lambda value: "_".join(value)[:40] if isinstance(value, list) else "",
 )
@@ -230,3 +246,87 @@ def test_explain_says_what_is_built_and_what_is_not():
     refused = vgroove("explain", "liquids/water", "--estimator", "fit")
     assert refused.returncode == 2
     assert 'which has no estimator "fit"; use one of closure, mirror' in refused.stderr
+
+
+# Over time
+
+
+def test_presets_as_json_say_how_they_change():
+    """What is static has no "time"; the table says so too."""
+    (preset,) = json.loads(vgroove("presets", "rusting", "--json").stdout)
+    assert preset["time"]["unit"] == "share"
+    assert (preset["time"]["start"], preset["time"]["end"]) == (0.0, 1.0)
+    assert set(preset["time"]["laws"]) == {"albedo", "s", "m"}
+    assert "changes from 0 to 1 share: albedo, s, m" in " ".join(vgroove("presets", "rusting").stdout.split())
+
+
+@pytest.mark.blender
+def test_measure_at_a_time_measures_the_preset_as_it_is_then(tmp_path):
+    """Its parameters are in the attributes; the law itself, not keys of it."""
+    from vgroove.addon.presets import find
+
+    path = tmp_path / "f.exr"
+    done = vgroove("measure", "rusting_iron", "--time", "0.4", "--theta-i", "45", "--resolution", "32x16", "-o", path)
+    assert done.returncode == 0, done.stderr
+    image, spec = read_exr(path)
+    model = find("rusting_iron").at(0.4).reference()
+    theta, phi = np.pi / 2 * (np.arange(16) + 0.5)[:, None] / 16, 2 * np.pi * (np.arange(32) + 0.5) / 32
+    wo = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)), axis=-1)
+    expected = model.evaluate([np.sin(np.pi / 4), 0.0, np.cos(np.pi / 4)], wo)
+    np.testing.assert_allclose(image, expected, atol=2e-5 * expected.max())
+    assert json.loads(spec.get_string_attribute("vgroove:parameters"))["m"] == pytest.approx(0.18001)
+
+
+@pytest.mark.blender
+def test_a_sequence_plays_the_course_and_is_taken_up_again(tmp_path):
+    """From start to end over the frames; what is there already is kept, what is broken or of other settings is not."""
+    base = ["render", "rusting_iron", "--samples", "2", "--resolution", "32x24", "--estimator", "fit"]
+    frames = [*base, "--frames", "1-4", "-o", tmp_path / "r_##.exr"]
+    first = vgroove(*frames)
+    assert first.returncode == 0, first.stderr
+    paths = [tmp_path / f"r_0{k}.exr" for k in (1, 2, 3, 4)]
+    assert sorted(tmp_path.iterdir()) == paths
+    for path, time in ((paths[0], "0"), (paths[3], "1")):
+        still = tmp_path / "still.exr"
+        vgroove(*base, "--time", time, "-o", still)
+        np.testing.assert_allclose(read_exr(path)[0], read_exr(still)[0], rtol=1e-4, atol=1e-5)
+    stamps = {path: path.stat().st_mtime_ns for path in paths}
+    paths[1].unlink()
+    paths[2].write_bytes(paths[2].read_bytes()[:200])
+    again = vgroove(*frames)
+    assert "wrote 4 frames" in again.stderr
+    assert "2 of them there already" in again.stderr
+    assert {path for path in paths if path.stat().st_mtime_ns == stamps[path]} == {paths[0], paths[3]}
+    other = vgroove(*frames, "--seed", "1")
+    assert "there already" not in other.stderr
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("driving", ["curves", "age"])
+def test_a_sequence_of_a_scene_has_a_strip_and_a_movie(scene_file, tmp_path, driving):
+    """The assigned preset plays over the frames; strip and movie hold them."""
+    import bpy
+
+    done = vgroove(
+        "render", scene_file, "--assign", "Floor=rusting_iron", "--frames", "3-7", "--driving", driving,
+        "--strip", tmp_path / "strip.png", "--movie", tmp_path / "movie.mp4", "-o", tmp_path / "f_#.png",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    image, _ = read_exr(tmp_path / "strip.png")
+    assert image.shape[1] == 5 * 240 + 4 * 4
+    tiles = [image[20:100, 244 * k + 60 : 244 * k + 180].mean(axis=(0, 1)) for k in range(5)]
+    assert len({tuple(tile.round(3)) for tile in tiles}) == 5
+    movie = bpy.data.movieclips.load(str(tmp_path / "movie.mp4"))
+    assert movie.frame_duration == 5
+    bpy.data.movieclips.remove(movie)
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
+@pytest.mark.blender
+def test_time_in_a_scene_goes_to_those_that_change(scene_file, tmp_path):
+    """And is refused where none does."""
+    done = vgroove("render", scene_file, "--assign", "Floor=rusting_iron", "--time", "0.5", "-o", tmp_path / "a.png")
+    assert done.returncode == 0, done.stderr
+    refused = vgroove("render", scene_file, "--assign", "Floor=copper", "--time", "0.5", "-o", tmp_path / "b.png")
+    assert refused.returncode == 2
+    assert "does not change over time" in refused.stderr

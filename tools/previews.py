@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).parent.parent / "previews"
 PIXELS, SAMPLES, QUALITY = 256, 12, 85
 CM = 0.01
+SHOWN_AGE = 0.6
 SEGMENTS = 96
 
 
@@ -135,7 +136,9 @@ def checked(*greys: float) -> bpy.types.Material:
 
 
 def render(shown: bpy.types.Scene, preset: presets.Preset, path: Path) -> None:
-    """One picture to ``path``; its material is removed again."""
+    """One picture to ``path``; its material is removed again. What changes is shown when most of it has changed."""
+    if preset.time is not None:
+        preset = preset.at(preset.time.start + SHOWN_AGE * (preset.time.end - preset.time.start))
     estimator = scene.pick_estimator(shown, preset.m, preset.model)
     lamps = scene.lamps_to_bind(shown, estimator, preset.model)
     made = material.build(preset, material.Choice("nodes", estimator, lamps))

@@ -57,6 +57,7 @@ class _Course:
         chosen = type(self).needs(context)
         try:
             for one in chosen:
+                animation.make_own(one)
                 self.do(context, one)
         except (animation.AnimationError, PresetError, material.MaterialError, OslError) as error:
             self.report({"ERROR"}, str(error))
