@@ -217,7 +217,7 @@ def _check_outputs(
             raise InputError(message)
     if strip is not None:
         if strip.suffix.lower() != ".png":
-            message = f"--strip {strip}: a contact strip is a PNG; name a file that ends in .png"
+            message = f"--strip {strip}: a strip is a PNG; name a file that ends in .png"
             raise InputError(message)
         check_writable(strip)
     if movie is not None:

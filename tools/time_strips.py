@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Contact strips of every preset that changes over time, one a row, and of some whose points have clocks of their own.
 
-python tools/time_strips.py FILE.webp      for docs/images: the body of tools/previews.py at eight moments of each course
+python tools/time_strips.py FILE.webp      the body of tools/previews.py at eight moments of each course
 """
 
 from __future__ import annotations
