@@ -219,7 +219,8 @@ def make_own(material: Material) -> None:
 
 
 def _keyed(tree: ShaderNodeTree, socket: NodeSocket, channel: int, keys: Keyframes, interpolation: str) -> None:
-    """Give an input an F-curve of these keys, by frame; keys that Blender could not tell apart become a step."""
+    """Give an input an F-curve of these keys, by frame, but for keys that Blender could not tell apart."""
+    keys = _apart(keys)
     bag, path = _bag(tree, make=True), socket.path_from_id("default_value")
     assert bag is not None  # noqa: S101 - it was made
     old = bag.fcurves.find(path, index=channel)
@@ -235,6 +236,19 @@ def _keyed(tree: ShaderNodeTree, socket: NodeSocket, channel: int, keys: Keyfram
         socket.default_value[channel] = keys.values[0]
     else:
         socket.default_value = keys.values[0]
+
+
+def _apart(keys: Keyframes) -> Keyframes:
+    """The first and the last key, and of those between what is CLOSEST to no other that is kept."""
+    kept = [0]
+    for k, frame in enumerate(keys.times):
+        if frame - keys.times[kept[-1]] >= CLOSEST:
+            kept.append(k)
+    last = keys.times.size - 1
+    if kept[-1] != last:
+        kept = [*kept[: max(len(kept) - 1, 1)], last]
+    parts = (None if part is None else part[kept] for part in (keys.before, keys.after))
+    return Keyframes(keys.times[kept], keys.values[kept], *parts)
 
 
 def _write(curve: FCurve, frames: NDArray[np.float64], values: NDArray[np.float64], interpolation: str) -> None:
