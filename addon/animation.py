@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 DRIVINGS = ("curves", "age")
 INTERPOLATIONS = ("linear", "shape")
 LABEL = "Trajectory"  # of the node that holds a course driven by Age
+STRAIGHT = 1e-5  # a tolerance at which what is straight between its keys is found to need those alone
 CLOSEST = 1e-3  # frames: Blender takes keys within 1e-4 for one when it plays them
 FRAMES = (-1e6, 1e6)
 LENGTHS = (1e-6, 1e9)  # frames
@@ -426,6 +427,57 @@ class _Sampled:
 
     def events(self) -> NDArray[np.float64]:
         return np.empty(0)
+
+
+def courses(material: Material, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]:
+    """The course of each parameter that changes, by age, as a material's curves or ramps have it now."""
+    node = trajectory_node(material)
+    if node is not None:
+        names = {socket.name: name for name, socket in sockets.items()}
+        held = trajectory_group.keys_of(node.node_tree)
+        return {names[label]: _distinct(course) for label, course in held.items() if label in names}
+    found: dict[str, Keyframes] = {}
+    moving = curves_of(material, sockets.values())
+    first, last = span_of(moving) if moving else (0.0, 1.0)
+    for name, socket in sockets.items():
+        path = socket.path_from_id("default_value")
+        of_socket = {curve.array_index: curve for curve in moving if curve.data_path == path}
+        if of_socket:
+            law = _Played(socket.default_value, of_socket)
+            played = Trajectory({name: law}, first, max(last, first + 1e-6))
+            bends = any(point.interpolation != "LINEAR" for of in of_socket.values() for point in of.keyframe_points)
+            keys = place_keys(played, name, TOLERANCE if bends else STRAIGHT)
+            found[name] = Keyframes(played.age(keys.times), keys.values)
+    return found
+
+
+@dataclass(frozen=True)
+class _Played:
+    """What the F-curves of one input make of it; channels without a curve stand still."""
+
+    value: Any
+    curves: Mapping[int, FCurve]
+
+    def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
+        frames = np.asarray(t, float)
+        single = not hasattr(self.value, "__len__")
+        channels = [
+            np.array([self.curves[k].evaluate(frame) for frame in frames.ravel()]).reshape(frames.shape)
+            if k in self.curves
+            else np.full(frames.shape, self.value if single else self.value[k])
+            for k in range(1 if single else 3)
+        ]
+        return channels[0] if single else np.stack(channels, axis=-1)
+
+    def events(self) -> NDArray[np.float64]:
+        return np.array([point.co.x for curve in self.curves.values() for point in curve.keyframe_points])
+
+
+def _distinct(course: Sequence[Key]) -> Keyframes:
+    """Keys of ages that ascend, of two of one age the later one: a step."""
+    ages, values = (np.array(part) for part in zip(*course, strict=True))
+    last = np.append(np.diff(ages) > 0.0, [True])
+    return Keyframes(ages[last], values[last])
 
 
 def remove(material: Material, sockets: Mapping[str, NodeSocket]) -> None:

@@ -350,6 +350,26 @@ def preset_of(material: Material) -> Preset:
     return replace(origin, parameters=parameters, time=same.time if same and fits else None)
 
 
+def kept(material: Material) -> Preset:
+    """What a material is now, as a preset: its numbers and its course, with what an artist changed in them."""
+    now, built = origin_of(material).preset, preset_of(material)
+    if not plays(material):
+        return now
+    if not is_edited(material):
+        return built
+    known = built.time or Timeline("share", 0.0, 1.0, "authored", {})
+    laws: dict[str, dict[str, Any]] = {}
+    starts: dict[str, Any] = {}
+    for name, keys in animation.courses(material, parameter_sockets(material)).items():
+        times = (known.start + keys.times * (known.end - known.start)).tolist()
+        values = [tuple(of) if isinstance(of, list) else of for of in keys.values.tolist()]
+        starts[name] = values[0]
+        later = [(time, of) for time, of in zip(times, values, strict=True) if time > known.start]
+        if later:
+            laws[name] = {"law": "keys", "times": [time for time, _ in later], "values": [of for _, of in later]}
+    return replace(now, parameters=now.parameters | starts, time=replace(known, kind="authored", laws=laws))
+
+
 def play(material: Material, how: Play) -> None:
     """Have a material that ``build`` made play its preset's course, in place of one that it plays already."""
     preset, backend = preset_of(material), json.loads(material[KEY])[5]

@@ -519,3 +519,31 @@ def test_the_panel_says_how_a_preset_changes(extension, rusting):
     stage.vgroove.preset = "lecture/copper"
     context.selected_objects = []
     assert not course.VGROOVE_PT_course.poll(context)
+
+
+@pytest.mark.parametrize("driving", ["curves", "age"])
+def test_a_course_that_was_edited_is_saved_with_the_preset(extension, own_folder, rusting, driving):
+    """Its keys as they are now; one that was not keeps its laws."""
+    from vgroove.addon import animation, material, presets
+
+    made = rusting(driving=driving)
+    with headless.quiet():
+        extension.ops.vgroove.save_preset(name="As It Was")
+    assert presets.find("mine/as_it_was").time == presets.find("time_varying/rusting_iron").time
+    if driving == "curves":
+        socket = material.parameter_sockets(made)["m"]
+        curve = next(c for c in material.curves(made) if c.data_path == socket.path_from_id("default_value"))
+        curve.keyframe_points[-1].co.y = 0.66
+    else:
+        group = animation.trajectory_node(made).node_tree
+        output = next(node for node in group.nodes if node.bl_idname == "NodeGroupOutput")
+        output.inputs["Slope m"].links[0].from_node.inputs["After"].default_value = 0.66
+    with headless.quiet():
+        extension.ops.vgroove.save_preset(name="Edited")
+    edited = presets.find("mine/edited")
+    assert edited.at(1.0).m == pytest.approx(0.66)
+    for time in (0.0, 0.33, 0.7):
+        assert edited.at(time).m == pytest.approx(presets.find("time_varying/rusting_iron").at(time).m, rel=2e-3)
+        albedo = presets.find("time_varying/rusting_iron").at(time).parameters["albedo"]
+        assert edited.at(time).parameters["albedo"] == pytest.approx(albedo, abs=1e-3)
+    assert edited.source["data"].startswith("edited from time_varying/rusting_iron")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Contact strips of every preset that changes over time, one a row, and of some whose points have clocks of their own.
 
-python tools/time_strips.py FILE.webp      the body of tools/previews.py at eight moments of each course
+python tools/time_strips.py FILE.webp SPREADING.webp      the body of tools/previews.py at eight moments of each course;
+                                                          the second file has the rows of points with their own clocks
 """
 
 from __future__ import annotations
@@ -91,4 +92,7 @@ def sheet() -> Image.Image:
 
 
 if __name__ == "__main__":
-    sheet().save(sys.argv[1], quality=80, method=6)
+    page = sheet()
+    page.save(sys.argv[1], quality=80, method=6)
+    bottom = len(SPREADING) * (HEADING + TILE + LABEL)
+    page.crop((0, page.height - bottom, page.width, page.height)).save(sys.argv[2], quality=80, method=6)

@@ -160,7 +160,7 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         made = ours(context)
-        preset = material.origin_of(made).preset
+        preset = material.kept(made)
         known = presets.all_presets().get(preset.id)
         source = dict(preset.source)
         if material.is_edited(made):
