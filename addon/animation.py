@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 DRIVINGS = ("curves", "age")
 INTERPOLATIONS = ("linear", "shape")
 LABEL = "Trajectory"  # of the node that holds a course driven by Age
-STRAIGHT = 1e-5  # a tolerance at which what is straight between its keys is found to need those alone
+PIECES = 1024  # straight ones, about, for a curve that an artist bent
 CLOSEST = 1e-3  # frames: Blender takes keys within 1e-4 for one when it plays them
 FRAMES = (-1e6, 1e6)
 LENGTHS = (1e-6, 1e9)  # frames
@@ -408,25 +408,19 @@ def _frames_of_ages(material: Material, node: Node) -> Callable[[str, Sequence[K
                 times.append(x + (passed - a) / (b - a) * (y - x) if a != b else np.empty(0))
             all_times = np.unique(np.concatenate(times))
             return Keyframes(all_times, law(np.interp(all_times, knots, at)))
-        sampled = Trajectory({name: _Sampled(law, local)}, first, last)
-        return place_keys(sampled, name)
+        shaped = _tabulated(knots, lambda frames: law(local(frames)))
+        return place_keys(Trajectory({name: shaped}, first, last), name)
 
     return frames
 
 
-@dataclass(frozen=True)
-class _Sampled:
-    """A course played by a curve of Age that an artist shaped."""
-
-    law: Keys
-    local: Callable[[NDArray[np.float64]], NDArray[np.float64]]
-
-    def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
-        values = self.law(self.local(np.atleast_1d(np.asarray(t, float))))
-        return values if np.ndim(t) else values[0]
-
-    def events(self) -> NDArray[np.float64]:
-        return np.empty(0)
+def _tabulated(knots: NDArray[np.float64], evaluate: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> Keys:
+    """What is played from key frame to key frame, in PIECES straight ones, as an artist may have bent it."""
+    each = max(PIECES // (knots.size - 1), 4)
+    parts = np.arange(each) / each
+    between = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
+    frames = np.unique(np.append(between, knots[-1]))
+    return Keys(frames, evaluate(frames))
 
 
 def courses(material: Material, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]:
@@ -443,34 +437,25 @@ def courses(material: Material, sockets: Mapping[str, NodeSocket]) -> dict[str, 
         path = socket.path_from_id("default_value")
         of_socket = {curve.array_index: curve for curve in moving if curve.data_path == path}
         if of_socket:
-            law = _Played(socket.default_value, of_socket)
-            played = Trajectory({name: law}, first, max(last, first + 1e-6))
-            bends = any(point.interpolation != "LINEAR" for of in of_socket.values() for point in of.keyframe_points)
-            keys = place_keys(played, name, TOLERANCE if bends else STRAIGHT)
-            found[name] = Keyframes(played.age(keys.times), keys.values)
+            frames = np.unique([point.co.x for curve in of_socket.values() for point in curve.keyframe_points])
+            if any(point.interpolation != "LINEAR" for of in of_socket.values() for point in of.keyframe_points):
+                law = _tabulated(frames, partial(_values, socket.default_value, of_socket))
+                played = place_keys(Trajectory({name: law}, first, last), name)
+                found[name] = Keyframes((played.times - first) / (last - first), played.values)
+            else:
+                values = _values(socket.default_value, of_socket, frames)
+                found[name] = Keyframes((frames - first) / max(last - first, CLOSEST), values)
     return found
 
 
-@dataclass(frozen=True)
-class _Played:
-    """What the F-curves of one input make of it; channels without a curve stand still."""
-
-    value: Any
-    curves: Mapping[int, FCurve]
-
-    def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
-        frames = np.asarray(t, float)
-        single = not hasattr(self.value, "__len__")
-        channels = [
-            np.array([self.curves[k].evaluate(frame) for frame in frames.ravel()]).reshape(frames.shape)
-            if k in self.curves
-            else np.full(frames.shape, self.value if single else self.value[k])
-            for k in range(1 if single else 3)
-        ]
-        return channels[0] if single else np.stack(channels, axis=-1)
-
-    def events(self) -> NDArray[np.float64]:
-        return np.array([point.co.x for curve in self.curves.values() for point in curve.keyframe_points])
+def _values(value: Any, curves: Mapping[int, FCurve], frames: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What the F-curves of one input make of it at each frame; channels without a curve stand still."""
+    single = not hasattr(value, "__len__")
+    channels = [
+        [curves[k].evaluate(frame) if k in curves else (value if single else value[k]) for frame in frames]
+        for k in range(1 if single else 3)
+    ]
+    return np.array(channels[0]) if single else np.array(channels).T
 
 
 def _distinct(course: Sequence[Key]) -> Keyframes:
