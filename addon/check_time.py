@@ -34,8 +34,8 @@ MOMENTS = 20  # of a course
 THETAS = (20.0, 45.0, 70.0, 85.0)  # of the sun, in turn
 FRAMES, MOST_FRAMES = 240.0, 1e6  # a course is played in at least so many; Blender ends at 1048574
 APART = 0.01  # frames between keys, at least: ten times CLOSEST
-FURNACE, FURNACE_SAMPLES = gonio.Geometry(furnace=True, resolution=(64, 8)), 96
-TOGETHER = 8  # pixels of a row of the furnace
+FURNACE, FURNACE_SAMPLES = gonio.Geometry(furnace=True, resolution=(64, 8)), 128
+TOGETHER = 8  # pixels of a row of the furnace; samples by a power of two, over which alone Cycles' sequence is balanced
 GRIDS = (30, 44)  # nodes of two quadratures; they part by as much as the finer is known
 NOISY_ROWS = 4  # of the plan; a test holds it to the plan
 
@@ -105,19 +105,24 @@ def hybrid_row(setup: Setup, driving: str, name: str) -> Row:
             preset, setup.backend, "hybrid", FURNACE, play, frames,
             samples=FURNACE_SAMPLES, shading_osl=setup.shading_osl,
         )  # fmt: skip
+    images = images.astype(np.float64)
+    known = [sent_back(preset, play, frame) for frame in frames]
+    expected = np.stack([one for one, _ in known])
+    native = [native_doubt(setup, at_frame(preset, play, frame)) for frame in frames]
+    doubt = np.stack([one + more for (_, one), more in zip(known, native, strict=True)])
+    width, height = FURNACE.resolution
+    # The pixels of a row see alike. One that met no rare facet looks more certain than it is: its variance is
+    # no less than, in proportion, the mean of all moments.
+    own = np.var(images, axis=2, ddof=1)
+    alike = np.mean(own / np.square(expected), axis=0) * np.square(expected)
+    # Means of some pixels are judged, as the weight of a random facet is skewed. A wrong reference is the same in all
+    # groups of a row, whose sum it moves as often.
+    variance = np.maximum(own, alike) / TOGETHER + width / TOGETHER * np.square(doubt)
     row = Row(f"hybrid by {driving}", setup, preset.name, preset.m)
-    for frame, image in zip(frames, images.astype(np.float64), strict=True):
-        expected, doubt = sent_back(preset, play, frame)
-        doubt = doubt + native_doubt(setup, at_frame(preset, play, frame))
-        width, height = FURNACE.resolution
-        # The pixels of a row see alike. Means of some are judged, as the weight of a random facet is skewed.
+    for image, mean, spread in zip(images, expected, variance, strict=True):
         means = image.reshape(height, width // TOGETHER, TOGETHER, 3).mean(axis=2)
-        # A wrong reference is the same in all groups of a row, whose sum it moves as often.
-        variance = np.var(image, axis=1, ddof=1) / TOGETHER + width / TOGETHER * np.square(doubt)
         full = np.ones_like(means)
-        row.views.append(
-            View(FURNACE, means, expected[:, None] * full, variance=variance[:, None] * full, degrees=width - 1)
-        )
+        row.views.append(View(FURNACE, means, mean[:, None] * full, variance=spread[:, None] * full, degrees=width - 1))
     return row
 
 
