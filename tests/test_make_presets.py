@@ -20,7 +20,9 @@ from vgroove.addon.reference import Glass, fresnel_conductor, schlick
 TOOLS = Path(__file__).parent.parent / "tools"
 sys.path.append(str(TOOLS))
 import make_presets  # noqa: E402 - tools are no package
+import make_time_presets  # noqa: E402
 import optical_constants  # noqa: E402
+import thin_film  # noqa: E402
 
 # with a channel of reflectance above 1, as their colour lies outside Rec.709
 CLIPPED = {"gold", "gold (Rakic 1998)", "gold (Babar 2015)", "gold (Olmon 2012 evaporated)", "gold (McPeak 2015)"}
@@ -37,6 +39,33 @@ def test_committed_presets_are_what_the_tool_makes(tmp_path, monkeypatch, capsys
     monkeypatch.setattr(make_presets, "FOLDER", tmp_path)
     assert make_presets.main() == 1
     assert "presets/car_paints/ford_f8.toml differs from the tables" in capsys.readouterr().out
+
+
+def test_committed_presets_that_change_are_what_their_tool_makes(monkeypatch, capsys):
+    """Those that are computed or measured."""
+    monkeypatch.setattr(sys, "argv", ["make_time_presets.py"])
+    assert make_presets.main(make_time_presets.every_preset, "make_time_presets.py") == 0
+    monkeypatch.setattr(make_time_presets, "WATER", 1.4)
+    assert make_presets.main(make_time_presets.every_preset, "make_time_presets.py") == 1
+    assert "presets/time_varying/drying_wood.toml differs" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("cosine", [1.0, 0.5, 0.14])
+def test_a_film_of_no_thickness_or_of_the_metal_itself_is_the_metal(cosine):
+    """And a thick one that absorbs is itself alone."""
+    film, metal = (optical_constants.constants()[name] for name in ("haematite Fe2O3", "iron"))
+    bare = optical_constants.reflectance(metal, cosine)
+    np.testing.assert_allclose(thin_film.film_reflectance(film, metal, 0.0, cosine), bare, atol=1e-12)
+    np.testing.assert_allclose(thin_film.film_reflectance(metal, metal, 70.0, cosine), bare, atol=1e-12)
+    opaque = replace(film, k=film.k + 0.5)
+    thick = thin_film.film_reflectance(opaque, metal, [5e4], cosine)
+    np.testing.assert_allclose(thick, [optical_constants.reflectance(opaque, cosine)], atol=1e-12)
+
+
+def test_what_is_wet_is_darker_and_white_stays_white():
+    """The series of reflections between ground and film keeps energy."""
+    assert (make_time_presets.wet((0.1, 0.4, 0.8)) < (0.1, 0.4, 0.8)).all()
+    np.testing.assert_allclose(make_time_presets.wet((0.0, 1.0, 1.0)), (0.0, 1.0, 1.0), atol=1e-12)
 
 
 def reflectance_table():
@@ -147,7 +176,11 @@ def test_reflectance_of_translucent_bodies_is_near_the_published(name):
 
 @pytest.mark.parametrize("preset", all_presets().values(), ids=lambda preset: preset.id)
 def test_f0_that_a_preset_says_is_verified_is_the_references(preset):
-    """To the six digits in the file, half of the last of which is at most 5e-6. All say so that have one slope."""
+    """To the six digits in the file, half of the last of which is at most 5e-6. All say so that keep one slope."""
+    if preset.time is not None:
+        assert preset.m_range is None
+        assert not preset.verified
+        return
     assert (preset.m_range is not None) == ("f0" in preset.verified) == ("m" in preset.parameters)
     assert preset.source["trust"]
     if "f0" in preset.verified:
