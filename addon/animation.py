@@ -14,20 +14,20 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from ..nodegroups import REVISION_KEY
+from .. import nodegroups
 from ..nodegroups import trajectory as trajectory_group
-from ..nodegroups._tree import Tree
 from ..nodegroups.trajectory import AGE, OFFSET, RATE
-from .preset_checks import M_RANGE, base_name
 from .reference.keyframes import TOLERANCE, TOLERANCES, Keyframes, place_keys
-from .reference.trajectory import Keys, Trajectory
+from .reference.trajectory import Keys, Trajectory, local_age
+from .timeline import plain
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from bpy.types import ChannelBag, FCurve, Material, Node, NodeSocket, ShaderNodeTree
+    from bpy.types import ChannelBag, FCurve, Material, Node, NodeSocket
     from numpy.typing import ArrayLike, NDArray
 
+    from ..nodegroups._tree import Tree
     from ..nodegroups.trajectory import Key
 
 DRIVINGS = ("curves", "age")
@@ -37,6 +37,7 @@ PIECES = 1024  # straight ones, about, for a curve that an artist bent
 CLOSEST = 1e-3  # frames: Blender takes keys within 1e-4 for one when it plays them
 FRAMES = (-1e6, 1e6)
 LENGTHS = (1e-6, 1e9)  # frames
+LONGEST_NAME = 55  # Blender keeps 63 bytes of a name, and may add a number
 
 
 class AnimationError(ValueError):
@@ -104,77 +105,34 @@ def animate(
     moving = {name: of for name, of in keys.items() if of.times.size > 1}
     if not moving:
         return
-    tree = material.node_tree
     if play.driving == "curves":
         for name, of in moving.items():
-            for channel, part in enumerate(_channels(of)):
-                if np.ptp(part.values) > 0.0:
-                    _keyed(tree, sockets[name], channel, _of_frames(part, play), play.interpolation)
-        _name_action(material)
+            frames = Keyframes(play.start + of.times * play.length, of.values, of.before, of.after)
+            _key(material, sockets[name], frames, play.interpolation)
         return
-    courses = {sockets[name].name: _course(name, of) for name, of in moving.items()}
-    _add_trajectory(material, {sockets[name].name: sockets[name] for name in moving}, courses, title, backend)
-    node = trajectory_node(material)
+    node = _add_trajectory(material, {sockets[name]: of for name, of in moving.items()}, title, backend)
     ages = Keyframes(np.array([play.start, play.start + play.length]), np.array([0.0, 1.0]))
-    assert node is not None  # noqa: S101 - it was made
-    _keyed(tree, node.inputs[AGE], 0, ages, "linear")
-    _name_action(material)
-
-
-def _name_action(material: Material) -> None:
-    data = material.node_tree.animation_data
-    if data is not None and data.action is not None:
-        data.action.name = f"{material.name} Course"
-
-
-def _course(name: str, keys: Keyframes) -> list[Key]:
-    values = _held(name, keys.values)
-    plain = [tuple(value.tolist()) if value.ndim else float(value) for value in values]
-    return list(zip(keys.times.tolist(), plain, strict=True))
-
-
-def _held(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Slopes that the shaders can do."""
-    return np.maximum(values, M_RANGE[0]) if base_name(name) == "m" else values
-
-
-def _channels(keys: Keyframes) -> list[Keyframes]:
-    if keys.values.ndim == 1:
-        return [keys]
-
-    def of(part: NDArray[np.float64] | None, channel: int) -> NDArray[np.float64] | None:
-        return None if part is None else part[:, channel]
-
-    return [Keyframes(keys.times, keys.values[:, k], of(keys.before, k), of(keys.after, k)) for k in range(3)]
-
-
-def _of_frames(keys: Keyframes, play: Play) -> Keyframes:
-    return Keyframes(play.start + keys.times * play.length, keys.values, keys.before, keys.after)
+    _key(material, node.inputs[AGE], ages, "linear")
 
 
 def _add_trajectory(
-    material: Material, targets: Mapping[str, NodeSocket], courses: Mapping[str, Sequence[Key]], title: str,
-    backend: str,
-) -> None:  # fmt: skip
+    material: Material, moving: Mapping[NodeSocket, Keyframes], title: str, backend: str
+) -> Node:  # fmt: skip
     """A node beside the model's that holds the courses and feeds its inputs; its group is the material's own."""
+    courses: dict[str, list[Key]] = {
+        socket.name: [(float(age), plain(value)) for age, value in zip(of.times, of.values, strict=True)]
+        for socket, of in moving.items()
+    }
+    build: Callable[[Tree], None] = partial(trajectory_group.build, keys=courses)
     if backend == "osl":
-        build: Callable[[Tree], None] = partial(trajectory_group.build_osl, keys=courses, title=title)
-    else:
-        build = partial(trajectory_group.build, keys=courses)
-    group = bpy.data.node_groups.new(f"{trajectory_group.NAME} {title}"[:60], "ShaderNodeTree")
-    made = Tree(group)
-    try:
-        build(made)
-    except Exception:
-        bpy.data.node_groups.remove(group)
-        raise
-    made.arrange()
-    group[REVISION_KEY] = 1
-    tree = material.node_tree
+        build = partial(trajectory_group.build_osl, keys=courses, title=title)
+    tree, name = material.node_tree, f"{trajectory_group.NAME} {title}"[:LONGEST_NAME]
     node = tree.nodes.new("ShaderNodeGroup")
-    node.node_tree, node.label, node.width, node.location = group, LABEL, 220, (-300, 320)
-    for name, socket in targets.items():
-        tree.links.new(node.outputs[name], socket)
+    node.node_tree = nodegroups.make(name, trajectory_group.REVISION, build)
+    node.label, node.width, node.location = LABEL, 220, (-300, 320)
+    for socket in moving:
+        tree.links.new(node.outputs[socket.name], socket)
+    return node
 
 
 def trajectory_node(material: Material) -> Node | None:
@@ -186,27 +144,20 @@ def trajectory_node(material: Material) -> Node | None:
 # F-curves
 
 
-def _bag(tree: ShaderNodeTree, *, make: bool = False) -> ChannelBag | None:
+def _bag(material: Material, *, make: bool = False) -> ChannelBag | None:
     """Where the F-curves of a material's tree are."""
+    tree = material.node_tree
     data = tree.animation_data_create() if make else tree.animation_data
     if data is None:
         return None
-    if data.action is None and make:
-        data.action = bpy.data.actions.new(f"{tree.id_data.name} Course")
+    if make and data.action is None:
+        data.action = bpy.data.actions.new(f"{material.name} Course")
+        data.action_slot = data.action.slots.new(id_type="NODETREE", name=material.name)
+        data.action.layers.new(name="Layer").strips.new(type="KEYFRAME")
     action = data.action
-    if action is None:
+    if action is None or not action.layers or not action.layers[0].strips:
         return None
-    if make:
-        if data.action_slot is None:
-            data.action_slot = (
-                action.slots[0] if action.slots else action.slots.new(id_type="NODETREE", name=tree.id_data.name)
-            )
-        layer = action.layers[0] if action.layers else action.layers.new(name="Layer")
-        strip = layer.strips[0] if layer.strips else layer.strips.new(type="KEYFRAME")
-        return strip.channelbag(data.action_slot, ensure=True)
-    if not action.layers or not action.layers[0].strips:
-        return None
-    return action.layers[0].strips[0].channelbag(data.action_slot)
+    return action.layers[0].strips[0].channelbag(data.action_slot, ensure=make)
 
 
 def make_own(material: Material) -> None:
@@ -219,24 +170,32 @@ def make_own(material: Material) -> None:
     data.action_slot = data.action.slots[identifier]
 
 
-def _keyed(tree: ShaderNodeTree, socket: NodeSocket, channel: int, keys: Keyframes, interpolation: str) -> None:
-    """Give an input an F-curve of these keys, by frame, but for keys that Blender could not tell apart."""
-    keys = _apart(keys)
-    bag, path = _bag(tree, make=True), socket.path_from_id("default_value")
-    assert bag is not None  # noqa: S101 - it was made
-    old = bag.fcurves.find(path, index=channel)
-    if old is not None:
-        bag.fcurves.remove(old)
-    curve = bag.fcurves.new(path, index=channel)
-    curve.extrapolation = "CONSTANT"
-    name = socket.name.rsplit("Slope ", maxsplit=1)[-1]
-    _write(curve, keys.times, _held(name, keys.values), interpolation)
-    if interpolation == "shape" and keys.before is not None and keys.after is not None:
-        _write_handles(curve, keys)
+def _key(material: Material, socket: NodeSocket, keys: Keyframes, interpolation: str) -> None:
+    """Give an input F-curves of these keys, by frame; a channel that stands still gets its value and no curve."""
+    for channel, part in enumerate(_channels(keys)):
+        _set_channel(socket, channel, part.values[0])
+        if np.ptp(part.values) > 0.0:
+            bag = _bag(material, make=True)
+            assert bag is not None  # noqa: S101 - it was made
+            curve = bag.fcurves.new(socket.path_from_id("default_value"), index=channel)
+            _write(curve, _apart(part), interpolation)
+
+
+def _channels(keys: Keyframes) -> list[Keyframes]:
+    if keys.values.ndim == 1:
+        return [keys]
+
+    def of(part: NDArray[np.float64] | None, channel: int) -> NDArray[np.float64] | None:
+        return None if part is None else part[:, channel]
+
+    return [Keyframes(keys.times, keys.values[:, k], of(keys.before, k), of(keys.after, k)) for k in range(3)]
+
+
+def _set_channel(socket: NodeSocket, channel: int, value: float) -> None:
     if hasattr(socket.default_value, "__len__"):
-        socket.default_value[channel] = keys.values[0]
+        socket.default_value[channel] = value
     else:
-        socket.default_value = keys.values[0]
+        socket.default_value = value
 
 
 def _apart(keys: Keyframes) -> Keyframes:
@@ -252,20 +211,19 @@ def _apart(keys: Keyframes) -> Keyframes:
     return Keyframes(keys.times[kept], keys.values[kept], *parts)
 
 
-def _write(curve: FCurve, frames: NDArray[np.float64], values: NDArray[np.float64], interpolation: str) -> None:
-    points = curve.keyframe_points
-    points.clear()
-    points.add(len(frames))
+def _write(curve: FCurve, keys: Keyframes, interpolation: str) -> None:
+    points, count = curve.keyframe_points, keys.times.size
+    curve.extrapolation = "CONSTANT"
+    points.add(count)
     # No curve.update() after this: it would merge keys that are nearer than 1/100 of a frame.
-    points.foreach_set("co", np.stack([frames, values], axis=-1).astype(np.float32).ravel())
+    points.foreach_set("co", np.stack([keys.times, keys.values], axis=-1).astype(np.float32).ravel())
+    mode, handle = ("LINEAR", "VECTOR") if interpolation == "linear" else ("BEZIER", "FREE")
     kinds = bpy.types.Keyframe.bl_rna.properties
-    mode = "LINEAR" if interpolation == "linear" else "BEZIER"
-    points.foreach_set("interpolation", np.full(len(frames), kinds["interpolation"].enum_items[mode].value, np.int32))
-    kind = kinds["handle_left_type"].enum_items["VECTOR" if interpolation == "linear" else "FREE"].value
-    for side in ("left", "right"):
-        points.foreach_set(f"handle_{side}_type", np.full(len(frames), kind, np.int32))
-    if interpolation == "linear":  # handles along the lines, for who changes the interpolation later
-        _write_handles(curve, Keyframes(frames, values, *_along(values)))
+    for name, kind in (("interpolation", mode), ("handle_left_type", handle), ("handle_right_type", handle)):
+        points.foreach_set(name, np.full(count, kinds[name].enum_items[kind].value, np.int32))
+    if keys.before is None or keys.after is None:  # handles along the lines, for who changes the interpolation later
+        keys = Keyframes(keys.times, keys.values, *_along(keys.values))
+    _write_handles(curve, keys)
 
 
 def _along(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
@@ -285,7 +243,7 @@ def _write_handles(curve: FCurve, keys: Keyframes) -> None:
 
 def curves_of(material: Material, sockets: Iterable[NodeSocket]) -> list[FCurve]:
     """The F-curves on these inputs of a material, and on its Age."""
-    bag = _bag(material.node_tree)
+    bag = _bag(material)
     if bag is None:
         return []
     node = trajectory_node(material)
@@ -362,56 +320,63 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
             f"{' and '.join(linked)} of {material.name} come from a texture, which no curve can follow; unlink them"
         )
         raise AnimationError(message)
-    by_label = {socket.name: (name, socket) for name, socket in sockets.items()}
-    held = trajectory_group.keys_of(node.node_tree)
-    courses = {by_label[label]: of for label, of in held.items() if label in by_label}
-    frames = _frames_of_ages(material, node)
-    played = [(socket, frames(name, course)) for (name, socket), course in courses.items()]
+    played = _by_frame(material, node, sockets)
     _drop_trajectory(material, node)  # takes the curve of Age along
-    for socket, keys in played:
-        for channel, part in enumerate(_channels(keys)):
-            if np.ptp(part.values) > 0.0:
-                _keyed(material.node_tree, socket, channel, part, "linear")
-            elif keys.values.ndim == 2:
-                socket.default_value[channel] = part.values[0]
-            else:
-                socket.default_value = part.values[0]
-    _name_action(material)
+    for socket, keys in played.items():
+        _key(material, socket, keys, "linear")
 
 
-def _frames_of_ages(material: Material, node: Node) -> Callable[[str, Sequence[Key]], Keyframes]:
-    """A function that plays a course by frame as the material's Age does."""
-    curves = curves_of(material, ())
-    rate, offset = node.inputs[RATE].default_value, node.inputs[OFFSET].default_value
-    if curves:
-        first, last = span_of(curves)
-        straight = all(point.interpolation == "LINEAR" for point in curves[0].keyframe_points)
-        knots = np.array([point.co.x for point in curves[0].keyframe_points])
-    else:
-        first, last, straight, knots = 0.0, 0.0, True, np.array([0.0])
+def _held(node: Node, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]:
+    """The course of each parameter, by age, as ramps or texts have it now; of two keys of one age the later one."""
+    found = {}
+    by_label = trajectory_group.keys_of(node.node_tree)
+    for name, socket in sockets.items():
+        if socket.name in by_label:
+            ages, values = (np.array(part) for part in zip(*by_label[socket.name], strict=True))
+            last = np.append(np.diff(ages) > 0.0, [True])
+            found[name] = Keyframes(ages[last], values[last])
+    return found
+
+
+def _clock(node: Node, age: ArrayLike) -> NDArray[np.float64]:
+    """The age of all points where neither Rate nor Offset comes from a texture."""
+    return local_age(np.clip(age, 0.0, 1.0), node.inputs[RATE].default_value, node.inputs[OFFSET].default_value)
+
+
+def _by_frame(material: Material, node: Node, sockets: Mapping[str, NodeSocket]) -> dict[NodeSocket, Keyframes]:
+    """The keys of each input, by frame, that play what the material's Age plays."""
+    held, curves = _held(node, sockets), curves_of(material, ())
+    if not curves:
+        now = _clock(node, [node.inputs[AGE].default_value])
+        return {sockets[name]: Keyframes(np.zeros(1), keys.law()(now)) for name, keys in held.items()}
+    (curve,) = curves
+    knots = np.array([point.co.x for point in curve.keyframe_points])
+    straight = all(point.interpolation == "LINEAR" for point in curve.keyframe_points)
 
     def local(frames: NDArray[np.float64]) -> NDArray[np.float64]:
-        ages = [curves[0].evaluate(frame) for frame in frames] if curves else [node.inputs[AGE].default_value]
-        return np.clip(rate * np.clip(ages, 0.0, 1.0) - offset, 0.0, 1.0)
+        return _clock(node, [curve.evaluate(frame) for frame in frames])
 
-    def frames(name: str, course: Sequence[Key]) -> Keyframes:
-        ages, values = (np.array(part) for part in zip(*course, strict=True))
-        ages, index = np.unique(ages, return_index=True)
-        law = Keys(ages, values[index])
-        if last == first:
-            return Keyframes(np.array([first]), law(local(np.array([first]))))
+    found = {}
+    for name, keys in held.items():
+        law = keys.law()
         if straight:
-            at = local(knots)
-            times = [knots]
-            for a, b, x, y in zip(at[:-1], at[1:], knots[:-1], knots[1:], strict=True):
-                passed = ages[(ages > min(a, b)) & (ages < max(a, b))]
-                times.append(x + (passed - a) / (b - a) * (y - x) if a != b else np.empty(0))
-            all_times = np.unique(np.concatenate(times))
-            return Keyframes(all_times, law(np.interp(all_times, knots, at)))
-        shaped = _tabulated(knots, lambda frames: law(local(frames)))
-        return place_keys(Trajectory({name: shaped}, first, last), name)
+            frames = _passing(knots, local(knots), keys.times)
+            found[sockets[name]] = Keyframes(frames, law(np.interp(frames, knots, local(knots))))
+        else:
+            shaped = _tabulated(knots, lambda frames, law=law: law(local(frames)))  # type: ignore[misc]
+            found[sockets[name]] = place_keys(Trajectory({name: shaped}, knots[0], knots[-1]), name)
+    return found
 
-    return frames
+
+def _passing(
+    knots: NDArray[np.float64], at: NDArray[np.float64], ages: NDArray[np.float64]
+) -> NDArray[np.float64]:  # fmt: skip
+    """The frames ``knots``, where a clock that goes straight between them is ``at``, and those where it passes ages."""
+    times = [knots]
+    for a, b, x, y in zip(at[:-1], at[1:], knots[:-1], knots[1:], strict=True):
+        passed = ages[(ages > min(a, b)) & (ages < max(a, b))]
+        times.append(x + (passed - a) / (b - a) * (y - x) if passed.size else passed)
+    return np.unique(np.concatenate(times))
 
 
 def _tabulated(knots: NDArray[np.float64], evaluate: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> Keys:
@@ -427,9 +392,7 @@ def courses(material: Material, sockets: Mapping[str, NodeSocket]) -> dict[str, 
     """The course of each parameter that changes, by age, as a material's curves or ramps have it now."""
     node = trajectory_node(material)
     if node is not None:
-        names = {socket.name: name for name, socket in sockets.items()}
-        held = trajectory_group.keys_of(node.node_tree)
-        return {names[label]: _distinct(course) for label, course in held.items() if label in names}
+        return _held(node, sockets)
     found: dict[str, Keyframes] = {}
     moving = curves_of(material, sockets.values())
     first, last = span_of(moving) if moving else (0.0, 1.0)
@@ -458,76 +421,48 @@ def _values(value: Any, curves: Mapping[int, FCurve], frames: NDArray[np.float64
     return np.array(channels[0]) if single else np.array(channels).T
 
 
-def _distinct(course: Sequence[Key]) -> Keyframes:
-    """Keys of ages that ascend, of two of one age the later one: a step."""
-    ages, values = (np.array(part) for part in zip(*course, strict=True))
-    last = np.append(np.diff(ages) > 0.0, [True])
-    return Keyframes(ages[last], values[last])
-
-
 def remove(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
     """Take the course away; the material stays as the current frame shows it."""
     make_own(material)
     frame = bpy.context.scene.frame_current_final
     for curve in curves_of(material, sockets.values()):  # an unused material's inputs do not follow the frame
-        _hold(material, curve, curve.evaluate(frame))
+        socket = material.node_tree.path_resolve(curve.data_path.rpartition(".")[0])
+        _set_channel(socket, curve.array_index, curve.evaluate(frame))
     node = trajectory_node(material)
     if node is not None:
-        age = node.inputs[AGE].default_value
-        local = float(np.clip(node.inputs[RATE].default_value * age - node.inputs[OFFSET].default_value, 0.0, 1.0))
-        courses = trajectory_group.keys_of(node.node_tree)
-        for curve in curves_of(material, ()):
-            _remove_curve(material, curve)
+        held, now = _held(node, sockets), _clock(node, node.inputs[AGE].default_value)
         _drop_trajectory(material, node)
-        for socket in sockets.values():
-            if socket.name in courses:
-                ages, values = (np.array(part) for part in zip(*courses[socket.name], strict=True))
-                ages, index = np.unique(ages, return_index=True)
-                value = Keys(ages, values[index])(local)
-                socket.default_value = (*value, 1.0) if value.ndim and len(socket.default_value) == 4 else value
-    for curve in curves_of(material, sockets.values()):
-        _remove_curve(material, curve)
-    _drop_action(material.node_tree)
-
-
-def _hold(material: Material, curve: FCurve, value: float) -> None:
-    """Set what a curve moves to a value."""
-    path, _, name = curve.data_path.rpartition(".")
-    socket = material.node_tree.path_resolve(path)
-    if hasattr(socket.default_value, "__len__"):
-        getattr(socket, name)[curve.array_index] = value
-    else:
-        setattr(socket, name, value)
-
-
-def _remove_curve(material: Material, curve: FCurve) -> None:
-    bag = _bag(material.node_tree)
-    assert bag is not None  # noqa: S101 - it holds the curve
-    bag.fcurves.remove(curve)
+        for name, keys in held.items():
+            for channel, value in enumerate(np.atleast_1d(keys.law()(now))):
+                _set_channel(sockets[name], channel, float(value))
+    _drop_curves(material, curves_of(material, sockets.values()))
 
 
 def _drop_trajectory(material: Material, node: Node) -> None:
-    group, texts = node.node_tree, []
-    for curve in curves_of(material, ()):
-        _remove_curve(material, curve)
+    """The node and the curve of its Age, and its group and texts where nothing else uses them."""
+    group = node.node_tree
+    _drop_curves(material, curves_of(material, ()))
     material.node_tree.nodes.remove(node)
     if group.users == 0:
         texts = [one.script for one in group.nodes if one.bl_idname == "ShaderNodeScript"]
         bpy.data.node_groups.remove(group)
-    for text in texts:
-        if text is not None and text.users <= text.use_fake_user:
-            bpy.data.texts.remove(text)
-    _drop_action(material.node_tree)
+        for text in texts:
+            if text is not None and text.users <= text.use_fake_user:
+                bpy.data.texts.remove(text)
 
 
-def _drop_action(tree: ShaderNodeTree) -> None:
+def _drop_curves(material: Material, curves: Iterable[FCurve]) -> None:
     """No action stays behind without a curve, unless something else uses it."""
-    bag, data = _bag(tree), tree.animation_data
-    if data is None or (bag is not None and len(bag.fcurves)):
+    bag, data = _bag(material), material.node_tree.animation_data
+    if bag is None:
+        return
+    for curve in curves:
+        bag.fcurves.remove(curve)
+    if len(bag.fcurves):
         return
     action = data.action
     data.action = None
     if not len(data.drivers) and not len(data.nla_tracks):  # bound lamps have theirs there
-        tree.animation_data_clear()
-    if action is not None and action.users == 0:
+        material.node_tree.animation_data_clear()
+    if action.users == 0:
         bpy.data.actions.remove(action)

@@ -22,6 +22,7 @@ from .reference import OrenNayar, Sum, albedo, rendered
 from .reference.estimators import quick_diffuse_share
 from .reference.hybrid import DEFAULT_BOUND
 from .reference.quadrature import diffuse_albedo
+from .timeline import plain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,35 +41,30 @@ GRIDS = (30, 44)  # nodes of two quadratures; they part by as much as the finer 
 NOISY_ROWS = 4  # of the plan; a test holds it to the plan
 
 
+@cache
+def _keys(identity: str) -> dict[str, Keyframes]:
+    return animation.keyframes(find(identity).trajectory(), Play())
+
+
 def play_of(preset: Preset, driving: str) -> Play:
     """Slow enough that Blender can tell all keys apart."""
-    keys = animation.keyframes(preset.trajectory(), Play())
-    nearest = min((float(np.min(np.diff(of.times))) for of in keys.values() if of.times.size > 1), default=1.0)
+    nearest = min(float(np.min(np.diff(of.times))) for of in _keys(preset.id).values())
     return Play(driving, 1.0, min(max(FRAMES, np.ceil(APART / nearest)), MOST_FRAMES))
 
 
 def moments(preset: Preset, play: Play) -> list[float]:
     """Frames of the course's two ends, and midway between keys, taken evenly from those of all parameters."""
-    keys = animation.keyframes(preset.trajectory(), play)
-    ages = np.unique(np.concatenate([of.times for of in keys.values()]))
+    ages = np.unique(np.concatenate([of.times for of in _keys(preset.id).values()]))
     middle = 0.5 * (ages[:-1] + ages[1:])
     chosen = middle[np.linspace(0, middle.size - 1, MOMENTS - 2).round().astype(int)]
     frames = play.start + np.concatenate([[0.0], chosen, [1.0]]) * play.length
     return frames.astype(np.float32).astype(float).tolist()  # as Blender holds a frame
 
 
-@cache
-def _keys(identity: str, tolerance: float) -> dict[str, Keyframes]:
-    return animation.keyframes(find(identity).trajectory(), Play(tolerance=tolerance))
-
-
 def at_frame(preset: Preset, play: Play, frame: float) -> Preset:
     """The material that Blender shows at a frame: the keys' straight interpolation."""
     age = np.clip((frame - play.start) / play.length, 0.0, 1.0)
-    now = {
-        name: tuple(value.tolist()) if value.ndim else float(value)
-        for name, value in ((name, of.law()(age)) for name, of in _keys(preset.id, play.tolerance).items())
-    }
+    now = {name: plain(of.law()(age)) for name, of in _keys(preset.id).items()}
     return replace(preset, parameters=preset.parameters | now, time=None)
 
 

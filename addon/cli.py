@@ -11,7 +11,6 @@ import sys
 import time
 from dataclasses import asdict
 from enum import StrEnum
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -184,7 +183,7 @@ def render(
     source = hashlib.sha256(Path(what).read_bytes()).hexdigest() if is_scene else ""
     wanted = [
         what, source, [(name, asdict(preset)) for name, preset in changed], play and asdict(play), str(backend),
-        str(estimator), bound, shown.cycles.samples, seed, size,
+        str(estimator), bound, shown.cycles.samples, seed, size, _versions(),
     ]  # fmt: skip
     _sequence(shown, span, output, wanted, samples=samples, seed=seed, resolution=size)
     paths = [_numbered(output, frame) for frame in span]
@@ -231,9 +230,10 @@ def _all_changed(
     assigned: list[tuple[str, Preset]], settings: list[str] | None, at_time: float | None
 ) -> list[tuple[str, Preset]]:
     """Each preset with the settings, and at the time if it changes; one of them must."""
-    moved = [preset for _, preset in assigned if preset.time]
-    if at_time is not None and assigned and not moved:
-        _changed(assigned[0][1], None, at_time)  # says so
+    if at_time is not None and not any(preset.time for _, preset in assigned):
+        names = ", ".join(preset.id for _, preset in assigned) or "no preset"
+        message = f"--time: {names} does not change over time; leave it out"
+        raise InputError(message)
     return [(name, _changed(preset, settings, at_time if preset.time else None)) for name, preset in assigned]
 
 
@@ -243,8 +243,7 @@ def _sequence(shown: Any, span: list[int], output: Path, wanted: Any, **settings
     kept, note = 0, sequence.note(wanted)
     for frame in _progress(span, "rendering"):
         with headless.quiet():
-            _, found = sequence.render(shown, [frame], partial(_numbered, output), note, **settings)
-        kept += found
+            kept += sequence.frame_to(shown, frame, _numbered(output, frame), note, **settings)
     left = f", {kept} of them there already" if kept else ""
     err.print(f"wrote {len(span)} frames, {output}{left}", highlight=False, soft_wrap=True)
 
@@ -253,12 +252,12 @@ def _strip(paths: list[Path], span: list[int], changed: list[tuple[str, Preset]]
     """A contact strip, labelled by the time of the first preset that changes, or by frame."""
     from . import sequence
 
-    moved = next((preset.time for _, preset in changed if preset.time), None)
+    moved = next((preset for _, preset in changed if preset.time), None)
     labels = [f"frame {frame}" for frame in span]
-    if moved:
-        parts = [(frame - span[0]) / max(span[-1] - span[0], 1) for frame in span]
-        unit = "of its course" if moved.unit == "share" else moved.unit
-        labels = [f"{moved.start + part * (moved.end - moved.start):.3g} {unit}" for part in parts]
+    if moved and moved.time:
+        ages = [(frame - span[0]) / max(span[-1] - span[0], 1) for frame in span]
+        unit = "of its course" if moved.time.unit == "share" else moved.time.unit
+        labels = [f"{time:.3g} {unit}" for time in moved.trajectory().time(ages)]
     sequence.strip(paths, labels, output)
 
 

@@ -18,6 +18,7 @@ import bpy
 import numpy as np
 
 from ..nodegroups.osl_script import text_block
+from .images import pixels
 from .material import Choice, binds, build
 from .reference.hybrid import DEFAULT_BOUND
 
@@ -251,11 +252,9 @@ def rendered(scene: Scene) -> NDArray[np.float32]:
         bpy.ops.render.render(write_still=True, scene=scene.name)
         image = bpy.data.images.load(str(path))
         image.colorspace_settings.name = "Non-Color"
-        pixels = np.empty(len(image.pixels), np.float32)
-        image.pixels.foreach_get(pixels)
-        width, height = image.size
+        found = pixels(image)
         bpy.data.images.remove(image)
-    return pixels.reshape(height, width, -1)[::-1, :, :3]
+    return found
 
 
 def measure_sphere(

@@ -147,7 +147,7 @@ def build(preset: Preset, choice: Choice) -> Material:
     if choice.play is not None and preset.time is None:
         message = f"{preset.id} does not change over time; leave play out"
         raise MaterialError(message)
-    key, course = _key(preset, choice), _course_key(preset, choice)
+    key, course = _key(preset, choice), _course_key(preset, choice.play)
     for material in bpy.data.materials:
         if (material.get(KEY), material.get(TIME)) != (key, course) or material.library is not None:
             continue
@@ -156,8 +156,12 @@ def build(preset: Preset, choice: Choice) -> Material:
     material = _build(preset, choice)
     material[KEY] = key
     if choice.play is not None:
-        _animate(material, preset, choice.play, choice.backend)
         material[TIME] = course
+        try:
+            _animate(material, preset, choice.play)
+        except Exception:  # a material whose course cannot be built does not stay behind half made
+            bpy.data.materials.remove(material)
+            raise
     material[STATE] = _state(material)
     return material
 
@@ -195,22 +199,17 @@ def _build(preset: Preset, choice: Choice) -> Material:
     return material
 
 
-def _animate(material: Material, preset: Preset, play: Play, backend: str) -> None:
-    """Play the preset's course; a material whose course cannot be built does not stay behind half made."""
-    sockets, course = parameter_sockets(material), preset.trajectory()
-    try:
-        moved = {name: sockets[name] for name in course.laws}
-        animation.animate(material, moved, course, play, preset.name, backend)
-    except Exception:
-        bpy.data.materials.remove(material)
-        raise
+def _animate(material: Material, preset: Preset, play: Play) -> None:
+    """Have the material play the preset's course."""
+    sockets, course, backend = parameter_sockets(material), preset.trajectory(), json.loads(material[KEY])[5]
+    animation.animate(material, {name: sockets[name] for name in course.laws}, course, play, preset.name, backend)
 
 
-def _course_key(preset: Preset, choice: Choice) -> str | None:
+def _course_key(preset: Preset, play: Play | None) -> str | None:
     """What the material's course was built from."""
-    if choice.play is None or preset.time is None:
+    if play is None or preset.time is None:
         return None
-    return json.dumps({"play": asdict(choice.play), "time": asdict(preset.time)})
+    return json.dumps({"play": asdict(play), "time": asdict(preset.time)})
 
 
 def absorbs(preset: Preset) -> bool:
@@ -316,16 +315,13 @@ def is_edited(material: Material) -> bool:
 
 def reset(material: Material) -> None:
     """Give a material that ``build`` made the numbers again that it was built with, and its course."""
-    parameters = json.loads(material[KEY])[4]
+    parameters = _parameters_of(material)
     sockets = parameter_sockets(material)
     animation.remove(material, sockets)
     for name, socket in sockets.items():
         _set(socket.node, socket.name, parameters[name])
-    played = course_of(material)
-    if played is not None:
-        preset, play = played
-        laws = {name: sockets[name] for name in preset.trajectory().laws}
-        animation.animate(material, laws, preset.trajectory(), play, preset.name, json.loads(material[KEY])[5])
+    if (played := course_of(material)) is not None:
+        _animate(material, *played)
     _show_in_solid_view(material, origin_of(material).preset)
 
 
@@ -372,15 +368,14 @@ def kept(material: Material) -> Preset:
 
 def play(material: Material, how: Play) -> None:
     """Have a material that ``build`` made play its preset's course, in place of one that it plays already."""
-    preset, backend = preset_of(material), json.loads(material[KEY])[5]
+    preset = preset_of(material)
     if preset.time is None:
         message = f"{material.name}: {preset.id} does not change over time; choose a preset that does"
         raise MaterialError(message)
-    course, edited = preset.trajectory(), is_edited(material)
-    sockets = parameter_sockets(material)
-    animation.remove(material, sockets)
-    animation.animate(material, {name: sockets[name] for name in course.laws}, course, how, preset.name, backend)
-    material[TIME] = json.dumps({"play": asdict(how), "time": asdict(preset.time)})
+    edited = is_edited(material)
+    animation.remove(material, parameter_sockets(material))
+    _animate(material, preset, how)
+    material[TIME] = _course_key(preset, how)
     if not edited:
         material[STATE] = _state(material)
 

@@ -136,10 +136,7 @@ class Preset:
 
     def at(self, time: float) -> Preset:
         """The material as it is at a time, in the preset's own unit; times beyond its range show its ends."""
-        now = {
-            name: tuple(value.tolist()) if value.ndim else float(value)
-            for name, value in self.trajectory().at(time).items()
-        }
+        now = {name: timeline.plain(value) for name, value in self.trajectory().at(time).items()}
         return replace(self, parameters=self.parameters | now, verified={}, m_range=None, time=None)
 
     def reference_fresnel(self) -> Fresnel:
@@ -425,9 +422,7 @@ def _holds_throughout(where: str, preset: Preset) -> None:
     moments = preset.time.moments
     values = preset.trajectory().at(moments)
     for index, time in enumerate(moments):
-        now = {
-            name: tuple(of[index].tolist()) if of.ndim == 2 else float(of[index]) for name, of in values.items()
-        }  # fmt: skip
+        now = {name: timeline.plain(of[index]) for name, of in values.items()}
         at = f"{where}: at time {time:g}"
         _holds_together(at, preset.parameters | now, preset.kind, coupled=preset.coupled)
 

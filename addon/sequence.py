@@ -20,12 +20,13 @@ import numpy as np
 
 from . import scene
 from .files import check_writable, replacing
+from .images import pixels
 from .scene import SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Sequence
 
-    from bpy.types import Image, Scene
+    from bpy.types import Scene
     from numpy.typing import NDArray
 
 MOVIES = {".mp4": ("MPEG4", "H264"), ".webm": ("WEBM", "WEBM")}  # container and codec
@@ -34,8 +35,8 @@ PAPER, INK, TEXT_SIZE = 1.0, 0.15, 15
 
 
 def note(settings: Any) -> str:
-    """What goes into a frame's metadata: the same text for the same settings, in this Blender."""
-    content = json.dumps([settings, list(bpy.app.version)], sort_keys=True, default=str)
+    """What goes into a frame's metadata: the same text for the same settings, and for no others."""
+    content = json.dumps(settings, sort_keys=True, default=str)
     return f"vgroove {hashlib.sha256(content.encode()).hexdigest()}"
 
 
@@ -54,23 +55,16 @@ def is_done(path: Path, wanted: str) -> bool:
         file.close()
 
 
-def render(
-    shown: Scene, frames: Iterable[int], path_of: Callable[[int], Path], wanted: str, **settings: Any
-) -> tuple[int, int]:
-    """Render the frames that are not there yet; how many were rendered, and how many were found done.
+def frame_to(shown: Scene, frame: int, path: Path, wanted: str, **settings: Any) -> bool:
+    """Render a frame to ``path`` under this note, unless it is there already; whether it was there.
 
     ``settings``: of ``scene.still``.
     """
-    rendered = found = 0
-    for frame in frames:
-        path = path_of(frame)
-        if is_done(path, wanted):
-            found += 1
-            continue
-        shown.frame_set(frame)
-        scene.still(shown, path, note=wanted, **settings)
-        rendered += 1
-    return rendered, found
+    if is_done(path, wanted):
+        return True
+    shown.frame_set(frame)
+    scene.still(shown, path, note=wanted, **settings)
+    return False
 
 
 # Contact strip
@@ -80,8 +74,8 @@ def strip(paths: Sequence[Path], labels: Sequence[str], output: Path) -> None:
     """A PNG of up to ``MOST_TILES`` of the pictures side by side, evenly chosen, the first and last among them."""
     chosen = np.unique(np.linspace(0, len(paths) - 1, min(len(paths), MOST_TILES)).round().astype(int))
     tiles = [np.concatenate([_tile(paths[k]), _label(labels[k])]) for k in chosen]
-    height, gap = tiles[0].shape[0], np.full((tiles[0].shape[0], GAP, 3), PAPER, np.float32)
-    parts = [part for tile in tiles for part in (gap, tile[:height])][1:]
+    gap = np.full((tiles[0].shape[0], GAP, 3), PAPER, np.float32)
+    parts = [part for tile in tiles for part in (gap, tile)][1:]
     write_png(np.concatenate(parts, axis=1), output)
 
 
@@ -91,10 +85,10 @@ def _tile(path: Path) -> NDArray[np.float32]:
     try:
         width, height = image.size
         image.scale(TILE_WIDTH, max(1, round(height * TILE_WIDTH / width)))
-        pixels = _pixels(image)
+        found = pixels(image)
     finally:
         bpy.data.images.remove(image)
-    return pixels if path.suffix.lower() == ".png" else _srgb(pixels)
+    return found if path.suffix.lower() == ".png" else _srgb(found)
 
 
 def _srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -115,24 +109,17 @@ def _label(text: str) -> NDArray[np.float32]:
         path = Path(folder) / "label.png"
         imbuf.write(canvas, filepath=str(path))
         image = bpy.data.images.load(str(path))
-        cover = _pixels(image)
+        cover = pixels(image)
         bpy.data.images.remove(image)
     return PAPER + (INK - PAPER) * cover
 
 
-def _pixels(image: Image) -> NDArray[np.float32]:
-    width, height = image.size
-    pixels = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(pixels)
-    return pixels.reshape(height, width, -1)[::-1, :, :3]
-
-
-def write_png(pixels: NDArray[np.float32], output: Path) -> None:
+def write_png(picture: NDArray[np.float32], output: Path) -> None:
     """Save (H, W, 3) in sRGB, 0..1."""
-    height, width, _ = pixels.shape
+    height, width, _ = picture.shape
     image = bpy.data.images.new("Strip", width, height)
     image.file_format = "PNG"
-    full = np.concatenate([pixels[::-1], np.ones((height, width, 1), np.float32)], axis=-1)
+    full = np.concatenate([picture[::-1], np.ones((height, width, 1), np.float32)], axis=-1)
     image.pixels.foreach_set(full.astype(np.float32).ravel())
     try:
         with replacing(output) as temporary:

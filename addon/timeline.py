@@ -107,6 +107,12 @@ class Timeline:
         return tuple(sorted({*(self.start + TEST_AGES * (self.end - self.start)).tolist(), *keys}))
 
 
+def plain(value: Any) -> float | tuple[float, float, float]:
+    """A number or a colour as presets hold them."""
+    array = np.asarray(value)
+    return tuple(array.tolist()) if array.ndim else float(array)
+
+
 def _about(coefficients: ArrayLike, start: float) -> ArrayLike:
     """Coefficients of t for those of t - start."""
     c = np.asarray(coefficients, float)

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from vgroove.addon.presets import shipped
-from vgroove.addon.reference import Trajectory, place_keys
+from vgroove.addon.reference import Exponential, Trajectory, place_keys
+from vgroove.addon.reference.keyframes import TOLERANCE
 
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 
@@ -52,6 +53,10 @@ def main() -> None:
                     worst[tolerance] = max(worst[tolerance], off)
                     cells.append(str(count))
             print(f"| {preset.name} | {name} | {' | '.join(cells)} | {even(course, name, TOLERANCES[1])} |")
+    pieces = place_keys(Trajectory({"p": Exponential(1.0, 0.0, (1.0,))}, 0.0, 40.0), "p").times.size - 1
+    print(
+        f"\nexp(-t) to {TOLERANCE:g}: {pieces} straight pieces; fewer than {(2.0 * TOLERANCE) ** -0.5:.1f} cannot do."
+    )
     print("\nLargest error of all: " + ", ".join(f"{worst[one]:.2e} at {one:g}" for one in TOLERANCES))
 
 

@@ -26,6 +26,11 @@ def ensure(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types
     for group in bpy.data.node_groups:
         if group.name.split(".")[0] == name and group.get(REVISION_KEY) == revision and group.library is None:
             return group
+    return make(name, revision, build)
+
+
+def make(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.ShaderNodeTree:
+    """A new group, also where there is one of that name; none stays behind if ``build`` fails."""
     group = bpy.data.node_groups.new(name, "ShaderNodeTree")
     tree = Tree(group)
     try:

@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from . import ensure
-from ._tree import Tree, clamp, maximum, select
+from ._tree import Tree, Value, clamp, maximum, select
 
 if TYPE_CHECKING:
     import bpy
@@ -22,13 +22,13 @@ NARROWEST = 1e-30  # so that a ramp whose ages coincide is a step
 
 
 def build(tree: Tree, *, color: bool) -> None:
-    tips = ("Value until the start", "The key: value from the end on")
-    if color:
-        before, after = (tree.input_color(name, (0.0,) * 3, tip=tip) for name, tip in zip(NAMES, tips, strict=True))
-    else:
-        before, after = (
-            tree.input_float(name, 0.0, low=-1e30, high=1e30, tip=tip) for name, tip in zip(NAMES, tips, strict=True)
-        )
+    def value_input(name: str, tip: str) -> Value:
+        if color:
+            return tree.input_color(name, (0.0, 0.0, 0.0), tip=tip)
+        return tree.input_float(name, 0.0, low=-1e30, high=1e30, tip=tip)
+
+    before = value_input("Before", "Value until the start")
+    after = value_input("After", "The key: value from the end on")
     age = tree.input_float("Age", 0.0, low=0.0, high=1.0, tip="Of the point, by its own clock")
     start = tree.input_float("Start", 0.0, low=0.0, high=1.0, tip="Age at which the value begins to change")
     end = tree.input_float("End", 1.0, low=0.0, high=1.0, tip="Age at which the key's value is reached")
@@ -36,9 +36,6 @@ def build(tree: Tree, *, color: bool) -> None:
         part = clamp((age - start) / maximum(end - start, NARROWEST))
         value = select(part, after, before)
     (tree.output_color if color else tree.output_float)("Value", value, tip="At this age")
-
-
-NAMES = ("Before", "After")
 
 
 def group(*, color: bool) -> bpy.types.ShaderNodeTree:

@@ -220,7 +220,7 @@ def test_only_what_changes_has_curves_or_is_driven(blender, name, driving):
     sockets = material.parameter_sockets(one)
     paths = {socket.path_from_id("default_value"): name for name, socket in sockets.items()}
     found = material.curves(one)
-    assert len(found) == len(animation._bag(one.node_tree).fcurves)
+    assert len(found) == len(animation._bag(one).fcurves)
     if driving == "curves":
         assert {paths[curve.data_path] for curve in found} == set(preset.time.laws)
         assert animation.trajectory_node(one) is None
@@ -281,6 +281,29 @@ def test_transients_shorter_than_a_frame_are_kept(blender):
     assert before == pytest.approx(0.8, abs=1e-6)
     assert inside == pytest.approx(0.45 + 0.35 * math.exp(-1.0), abs=0.01)
     assert after == pytest.approx(0.45, abs=1e-3)
+
+
+def test_cycles_reads_materials_once_a_frame(blender):
+    """With motion blur too: the shutter does not average what changes, whatever its position."""
+    one = made(blender, find("time_varying/yellowing_paper"), estimator="closure", start=1.0, length=2.0)
+    (curve, *_) = material.curves(one)
+    with headless.quiet(), gonio.stage((4, 4), samples=16, seed=0, shading_osl=False) as stage:
+        gonio.light(stage, gonio.Geometry(furnace=True))
+        gonio._patch(stage, one)
+        camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+        camera.location.z = 2.0
+        stage.collection.objects.link(camera)
+        stage.camera = camera
+        for item in (stage, blender.context.scene):
+            item.frame_set(2)
+        stage.render.motion_blur_shutter = 1.0
+        images = []
+        for blurred, position in ((False, "CENTER"), (True, "START"), (True, "CENTER"), (True, "END")):
+            stage.render.use_motion_blur, stage.render.motion_blur_position = blurred, position
+            images.append(gonio.rendered(stage))
+    assert curve.evaluate(1.5) != curve.evaluate(2.0)
+    for image in images[1:]:
+        np.testing.assert_allclose(image, images[0], rtol=1e-5)
 
 
 @pytest.mark.parametrize("factor", [1e-6, 1e6])

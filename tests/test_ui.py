@@ -459,12 +459,14 @@ def test_courses_are_retimed_reversed_baked_removed_and_added_again(extension, r
     assert all(animation.trajectory_node(one) for one in both)
 
 
-@pytest.mark.parametrize("operator", ["apply", "course_retime", "course_reverse", "course_bake", "course_remove"])
+@pytest.mark.parametrize(
+    "operator", ["apply", "course_add", "course_retime", "course_reverse", "course_bake", "course_remove"]
+)
 def test_each_change_of_a_course_is_one_undo_step(extension, rusting, operator):
     """One Ctrl-Z, and the curves are as before."""
     from vgroove.addon import material
 
-    made = rusting(driving="age" if operator == "course_bake" else "curves")
+    made = rusting(driving="age" if operator == "course_bake" else "curves", play=operator != "course_add")
 
     def state():
         one = extension.data.materials[name]

@@ -138,7 +138,7 @@ def checked(*greys: float) -> bpy.types.Material:
 def render(shown: bpy.types.Scene, preset: presets.Preset, path: Path) -> None:
     """One picture to ``path``; its material is removed again. What changes is shown when most of it has changed."""
     if preset.time is not None:
-        preset = preset.at(preset.time.start + SHOWN_AGE * (preset.time.end - preset.time.start))
+        preset = preset.at(float(preset.trajectory().time(SHOWN_AGE)))
     estimator = scene.pick_estimator(shown, preset.m, preset.model)
     lamps = scene.lamps_to_bind(shown, estimator, preset.model)
     made = material.build(preset, material.Choice("nodes", estimator, lamps))

@@ -84,7 +84,8 @@ def sheet() -> Image.Image:
             pictures = frames(shown, preset, clock)
         for k, picture in enumerate(pictures):
             page.paste(picture, (TILE * k, top + HEADING))
-            time = of.start + (of.end - of.start) * k / (MOMENTS - 1) * (1.0 + clock[1] if clock else 1.0)
+            age = k / (MOMENTS - 1) * (1.0 + clock[1] if clock else 1.0)  # above 1 where points are late
+            time = of.start + (of.end - of.start) * age
             unit = "" if of.unit == "share" else f" {of.unit}"
             pen.text((TILE * k + 6, top + HEADING + TILE + 1), f"{time:.3g}{unit}", fill=GREY, font=small)
         print(preset.id, flush=True)

@@ -88,7 +88,7 @@ def place_keys(
     allowed = tolerance * float(np.max(np.ptp(values, axis=0)))
     scalar = trajectory.value(name, trajectory.start).ndim == 0
     if allowed <= 1e-15 * float(np.max(np.abs(values))):  # it stands still
-        return Keyframes(times[:1], values[0, :1][:1] if scalar else values[:1])
+        return Keyframes(times[:1], values[:1, 0] if scalar else values[:1])
     allowed *= 1.0 - 2.0 / FINE  # what chords between samples may add
     if interpolation == "linear":
         chosen = _fewest(times.size, lambda i: _straight(times, values, i, allowed))

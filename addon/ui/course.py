@@ -140,19 +140,18 @@ class VGROOVE_OT_course_remove(_Course, bpy.types.Operator):
         material.stop(one)
 
 
-def _rate() -> float:
-    render = bpy.context.scene.render
-    return float(render.fps / render.fps_base)
-
-
 def _in_seconds(name: str) -> dict[str, Any]:
     """Getter and setter of a number of frames as seconds of the scene's frame rate."""
 
+    def rate(settings: VGrooveCourse) -> float:
+        render = settings.id_data.render  # of the scene that the settings belong to
+        return float(render.fps / render.fps_base)
+
     def read(settings: VGrooveCourse) -> float:
-        return float(getattr(settings, name) / _rate())
+        return float(getattr(settings, name) / rate(settings))
 
     def write(settings: VGrooveCourse, seconds: float) -> None:
-        setattr(settings, name, seconds * _rate())
+        setattr(settings, name, seconds * rate(settings))
 
     return {"get": read, "set": write}
 
