@@ -44,7 +44,7 @@ SUN_THETAS = (20.0, 60.0, 74.0)  # the widest sun stays above the horizon
 # Broad lobes seldom hit a small sun; a wider one asks for as many fewer samples as it is larger.
 SUN_ANGLES = {0.1: 10.0, 0.3: 20.0, 0.6: 30.0, 1.0: 30.0}
 FURNACE_SAMPLES = 1024
-SUN_SAMPLES = {0.1: 8192, 0.3: 4096, 0.6: 4096, 1.0: 9216}  # a pixel, so that the row resolves an error of 1 %
+SUN_SAMPLES = {0.1: 12288, 0.3: 6144, 0.6: 6144, 1.0: 15360}  # a pixel, so that every row resolves surely_seen(0.01)
 NOISY_ROWS = 32  # rows of the plan that are judged by Z-tests; a test holds it to the plan
 OWN_SEEDS = 100  # degrees of freedom to which a variance may be a pixel's own; beyond, it is that of many
 ROUNDING = 2.0**-24  # float32 rounds a number near 1 by up to this much
@@ -188,6 +188,11 @@ def _noisy(view: View) -> tuple[NDArray[np.float64], ...]:
 def limit(tests: int) -> float:
     """Two-sided 1 % limit of a standard normal value, Sidak-corrected for ``tests`` of them."""
     return float(norm.isf((1.0 - 0.99 ** (1.0 / tests)) / 2.0))
+
+
+def surely_seen(error: float) -> float:
+    """What every row has to resolve so that noise hides an ``error`` of their reference but once in a hundred plans."""
+    return error / (1.0 + limit(2 * NOISY_ROWS) / limit(NOISY_ROWS))
 
 
 def share_within(z: NDArray[np.float64]) -> float:
@@ -363,10 +368,8 @@ def sun_row(setup: Setup, fresnel: str, m: float) -> Row:
             mean += weight * radiance * f_cos
             square += weight * radiance**2 * f_cos**2 / np.where(density > 0, density, 1.0)
         measured = measure(preset, setup, "mirror", geometry, samples=samples)
-        # Below 25 expected hits a count is too skewed for a normal limit: such pixels are judged together.
         hits = samples * mean[..., 0] / radiance
-        pooled = [pool(image, hits) for image in (measured, mean, np.maximum(square - mean**2, 0.0) / samples)]
-        row.views.append(View(geometry, pooled[0], pooled[1], variance=pooled[2]))
+        row.views.append(pooled_view(geometry, hits, measured, mean, square, samples))
     return row
 
 
@@ -384,6 +387,19 @@ def disc(
     directions = cos[:, None, None] * axis + sin[:, None, None] * ring
     weights = np.repeat(weight * height * 2.0 * np.pi / spokes, spokes)
     return directions.reshape(-1, 3), weights
+
+
+def pooled_view(
+    geometry: gonio.Geometry, hits: NDArray[np.float64], measured: NDArray[np.float64],
+    mean: NDArray[np.float64], square: NDArray[np.float64], samples: int,
+) -> View:  # fmt: skip
+    """``measured`` beside the moments of its samples.
+
+    Below 25 expected hits a count is too skewed for a normal limit: such pixels are judged together.
+    """
+    variance = np.maximum(square - mean**2, 0.0) / samples
+    measured, mean, variance = (pool(image, hits) for image in (measured, mean, variance))
+    return View(geometry, measured, mean, variance=variance)
 
 
 def pool(image: NDArray[np.float64], hits: NDArray[np.float64], enough: float = 25.0) -> NDArray[np.float64]:

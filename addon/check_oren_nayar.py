@@ -94,11 +94,8 @@ def sun_row(setup: Setup, kind: str, sigma: float) -> Row:
             mean += weight * radiance * f * wi[2]
             square += weight * radiance**2 * f**2 * wi[2] * np.pi
         measured = check.measure(of, setup, "mirror", geometry, SUN_SAMPLES)
-        variance = np.maximum(square - mean**2, 0.0) / SUN_SAMPLES
-        # Below 25 expected hits a count is too skewed for a normal limit: such pixels are judged together.
         hits = SUN_SAMPLES * mean[..., 0] / radiance
-        pooled = [check.pool(image, hits) for image in (measured, mean, variance)]
-        row.views.append(View(geometry, pooled[0], pooled[1], variance=pooled[2]))
+        row.views.append(check.pooled_view(geometry, hits, measured, mean, square, SUN_SAMPLES))
     return row
 
 
