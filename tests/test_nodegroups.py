@@ -26,8 +26,10 @@ from vgroove.nodegroups import (
     fresnel,
     lamp,
     osl_script,
+    ramp,
     random_numbers,
     shading_normal,
+    trajectory,
     vgroove_g,
 )
 
@@ -41,6 +43,7 @@ SHADERS = (
     "lamp",
     "gonio_camera",
 )
+KEYS = {"Slope m": [(0.0, 0.1), (0.3, 0.2), (1.0, 0.6)], "F0": [(0.1, (0.9, 0.5, 0.3)), (0.6, (0.1, 0.2, 0.3))]}
 
 
 @pytest.fixture
@@ -117,6 +120,12 @@ def all_groups():
                 variant = {"kind": kind, "shadows": shadows, "sized": sized}
                 name = f"{lamp.name(**variant)} {build.__name__}"
                 made[name] = nodegroups.ensure(name, 1, partial(build, **variant))
+    for color in (False, True):
+        group = ramp.group(color=color)
+        made[group.name] = group
+    for build in (trajectory.build, partial(trajectory.build_osl, title="test")):
+        name = f"{trajectory.NAME} {'build_osl' if isinstance(build, partial) else 'build'}"
+        made[name] = nodegroups.ensure(name, 1, partial(build, keys=KEYS))
     return made
 
 
@@ -190,6 +199,27 @@ def test_every_shader_compiles_and_explains_its_parameters(blender, shader, tmp_
             assert metadata.get("label") == item.name
             if item.socket_type == "NodeSocketFloat":
                 assert (metadata["min"], metadata["max"]) == pytest.approx((item.min_value, item.max_value))
+
+
+@pytest.mark.parametrize("course", KEYS.values(), ids=["number", "color"])
+def test_the_shader_of_a_course_has_its_groups_ranges_and_defaults(blender, course, tmp_path):
+    """Age, Rate and Offset; and as many keys as the course."""
+    import _cycles
+    import oslquery
+
+    path = tmp_path / "trajectory.osl"
+    path.write_text(osl_script.source("trajectory", {trajectory.TABLE: trajectory.table(course)}), encoding="utf-8")
+    with headless.quiet():
+        assert _cycles.osl_compile(str(path), str(tmp_path / "trajectory.oso"))
+    parameters = {p.name: p for p in oslquery.OSLQuery(str(tmp_path / "trajectory.oso")).parameters}
+    assert len(parameters["ages"].value) == len(course)
+    group = nodegroups.ensure(trajectory.NAME, 1, partial(trajectory.build, keys=KEYS))
+    for item in sockets_of(group):
+        if item.in_out == "INPUT":
+            metadata = {meta.name: meta.value for meta in parameters[item.name].metadata}
+            assert metadata["label"] == item.name
+            assert parameters[item.name].value == item.default_value
+            assert (metadata["min"], metadata["max"]) == (item.min_value, item.max_value)
 
 
 def test_a_group_of_another_revision_is_not_reused(blender):
