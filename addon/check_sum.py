@@ -11,7 +11,7 @@ import numpy as np
 from . import check, gonio
 from .check import SETUPS, Row, Setup
 from .check_hybrid import excess
-from .check_oren_nayar import SUN_ANGLE
+from .check_oren_nayar import SUN_ANGLE, SUN_THETAS
 from .check_seeds import furnace_directions, furnace_view, sun_view
 from .presets import Preset, parse
 from .reference import CookTorrance, OrenNayar, Sum, albedo, rendered
@@ -28,8 +28,7 @@ ESTIMATORS = ("direct", "closure", "fit", "corrected", "hybrid")
 KINDS = ("sum", "coupled")
 SLOPES = (0.3, 0.6)
 GREY = "f0 = 0.0816"  # Schlick's F of that base for noisy rows: it is exact in native closures of 4.5 too
-SUN_SAMPLES = {"mirror": 16384, "hybrid": 3072, "corrected": 512}
-SUN_THETAS = (20.0, 60.0)
+SUN_SAMPLES = {"mirror": 8192, "hybrid": 2048, "corrected": 512}
 SUN_SEEDS = 8  # as the largest of shaders take longer to compile than to run
 MIRRORED = 0.05  # of hybrid, at least
 NOISY_ROWS = 14  # of the plan, judged by Z-tests; a test holds it to the plan
@@ -87,7 +86,7 @@ def _sent_back(kind: str, m: float, estimator: str, nodes: int) -> NDArray[np.fl
 
 
 def sun_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
-    """Noisy estimators under a sun of 30 degrees."""
+    """Noisy estimators under a sun of 60 degrees."""
     row = Row(f"{estimator}, sun", setup, kind, m)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
