@@ -135,6 +135,14 @@ def render(
     tolerance: Annotated[
         float, typer.Option(help="with --frames: by how much of a parameter's range its keys may miss its law")
     ] = TOLERANCE,
+    shutter: Annotated[
+        float,
+        typer.Option(
+            min=0.0,
+            max=1.0,
+            help="with --frames: how much of a frame it is open, so that what changes within it is seen, materials too",
+        ),
+    ] = 0.0,
     strip: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="with --frames: a contact strip of the sequence")
     ] = None,
@@ -155,6 +163,9 @@ def render(
     span = _frames(frames, output)
     size = _resolution(resolution) if resolution else None
     _check_outputs(output, strip, movie, span, at_time)
+    if shutter and not span:
+        message = f"--shutter {shutter:g}: goes with --frames, each of which it exposes"
+        raise InputError(message)
     assigned = [_assignment(item) for item in assign or []] if is_scene else [("Ball", presets.find(what))]
     changed = _all_changed(assigned, settings, at_time)
     if is_scene and not Path(what).is_file():
@@ -183,9 +194,9 @@ def render(
     source = hashlib.sha256(Path(what).read_bytes()).hexdigest() if is_scene else ""
     wanted = [
         what, source, [(name, asdict(preset)) for name, preset in changed], play and asdict(play), str(backend),
-        str(estimator), bound, shown.cycles.samples, seed, size, _versions(),
+        str(estimator), bound, shown.cycles.samples, seed, size, shutter, _versions(),
     ]  # fmt: skip
-    _sequence(shown, span, output, wanted, samples=samples, seed=seed, resolution=size)
+    _sequence(shown, span, output, wanted, shutter=shutter, samples=samples, seed=seed, resolution=size)
     paths = [_numbered(output, frame) for frame in span]
     if strip:
         with headless.quiet():

@@ -18,6 +18,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Raises FileNotFoundError if the block wrote nothing there.
     """
+    path = path.absolute()  # Blender finds no folder for a name alone
     temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
         yield temporary

@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOVIES = {".mp4": ("MPEG4", "H264"), ".webm": ("WEBM", "WEBM")}  # container and codec
+MOMENTS = 16  # at which an exposed frame is rendered: a power of two, which divides usual numbers of samples
 MOST_TILES, TILE_WIDTH, LABEL_HEIGHT, GAP = 8, 240, 26, 4  # of a strip; pixels
 PAPER, INK, TEXT_SIZE = 1.0, 0.15, 15
+SEED_STEP = 1000003  # between moments: so that those of one seed meet no other's
 
 
 def note(settings: Any) -> str:
@@ -55,16 +57,86 @@ def is_done(path: Path, wanted: str) -> bool:
         file.close()
 
 
-def frame_to(shown: Scene, frame: int, path: Path, wanted: str, **settings: Any) -> bool:
+def frame_to(shown: Scene, frame: int, path: Path, wanted: str, shutter: float = 0.0, **settings: Any) -> bool:
     """Render a frame to ``path`` under this note, unless it is there already; whether it was there.
 
-    ``settings``: of ``scene.still``.
+    ``shutter``: of a frame, for which it is ``exposed``. ``settings``: of ``scene.still``.
     """
     if is_done(path, wanted):
         return True
-    shown.frame_set(frame)
-    scene.still(shown, path, note=wanted, **settings)
+    if shutter:
+        _write(exposed(shown, frame, shutter, **settings), shown, path, wanted)
+    else:
+        shown.frame_set(frame)
+        scene.still(shown, path, note=wanted, **settings)
     return False
+
+
+def exposed(
+    shown: Scene, frame: int, shutter: float, *, samples: int | None = None, seed: int | None = None, **settings: Any
+) -> NDArray[np.float32]:
+    """The mean picture of a frame that is open for ``shutter`` of it, centred, (H, W, 3) in linear light.
+
+    Cycles' own motion blur reads materials once a frame; here each of ``MOMENTS`` is a render of its own, with its part
+    of the samples and a seed of its own, so that what changes within a frame is seen.
+    """
+    samples, seed = samples or shown.cycles.samples, shown.cycles.seed if seed is None else seed
+    moments, blurred = [], shown.render.use_motion_blur
+    shown.render.use_motion_blur = False
+    try:
+        with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
+            path = Path(folder) / "moment.exr"
+            for k in range(MOMENTS):
+                moment = frame + shutter * ((k + 0.5) / MOMENTS - 0.5)
+                shown.frame_set(int(np.floor(moment)), subframe=moment - np.floor(moment))
+                each = -(-samples // MOMENTS)
+                scene.still(shown, path, samples=each, seed=(seed + k * SEED_STEP) % 2**31, **settings)
+                moments.append(_read(path))
+    finally:
+        shown.render.use_motion_blur, shown.cycles.samples, shown.cycles.seed = blurred, samples, seed
+    return np.mean(moments, axis=0)
+
+
+def _read(path: Path) -> NDArray[np.float32]:
+    image = bpy.data.images.load(str(path))
+    try:
+        return pixels(image)
+    finally:
+        bpy.data.images.remove(image)
+
+
+def _write(picture: NDArray[np.float32], shown: Scene, path: Path, wanted: str) -> None:
+    """A picture in linear light as the scene's settings would save it, with the note."""
+    import OpenImageIO as oiio  # noqa: N813 - as above
+
+    is_float = path.suffix.lower() == ".exr"
+    if not is_float:
+        picture = _displayed(picture, shown)
+    height, width, _ = picture.shape
+    spec = oiio.ImageSpec(width, height, 3, "float" if is_float else "uint8")
+    spec.attribute("Note", wanted)
+    with replacing(path) as temporary:
+        file = oiio.ImageOutput.create(str(temporary))
+        if not (file and file.open(str(temporary), spec) and file.write_image(picture) and file.close()):
+            message = f"{path}: could not be written: {oiio.geterror() or file.geterror()}"
+            raise OSError(message)
+
+
+def _displayed(picture: NDArray[np.float32], shown: Scene) -> NDArray[np.float32]:
+    """Through the scene's view transform, 0..1."""
+    height, width, _ = picture.shape
+    image = bpy.data.images.new("Frame", width, height, float_buffer=True)
+    full = np.concatenate([picture[::-1], np.ones((height, width, 1), np.float32)], axis=-1)
+    image.pixels.foreach_set(full.ravel())
+    settings = shown.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
+    try:
+        with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
+            path = Path(folder) / "frame.png"
+            image.save_render(str(path), scene=shown)
+            return _read(path)
+    finally:
+        bpy.data.images.remove(image)
 
 
 # Contact strip

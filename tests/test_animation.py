@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from vgroove.addon import animation, check, check_time, gonio, headless, material
+from vgroove.addon import animation, check, check_time, gonio, headless, material, sequence
 from vgroove.addon.animation import AnimationError, Play
 from vgroove.addon.material import Choice, MaterialError, build
 from vgroove.addon.presets import find, parse, shipped
@@ -304,6 +304,53 @@ def test_cycles_reads_materials_once_a_frame(blender):
     assert curve.evaluate(1.5) != curve.evaluate(2.0)
     for image in images[1:]:
         np.testing.assert_allclose(image, images[0], rtol=1e-5)
+
+
+@pytest.fixture
+def flash(blender, empty_material):
+    """The window's scene with a plane that glows with 1 at frame 2 and with 0 a quarter of a frame before and after."""
+    one = empty_material()
+    tree = one.node_tree
+    glow, sink = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(glow.outputs[0], sink.inputs["Surface"])
+    for frame, value in ((1.75, 0.0), (2.0, 1.0), (2.25, 0.0)):
+        glow.inputs["Strength"].default_value = value
+        glow.inputs["Strength"].keyframe_insert("default_value", frame=frame)
+    for curve in animation._bag(one).fcurves:
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+    view = blender.context.scene
+    mesh = blender.data.meshes.new("Plane")
+    mesh.from_pydata([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], [], [(0, 1, 2, 3)])
+    mesh.materials.append(one)
+    camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+    camera.location.z = 2.0
+    for item in (camera, blender.data.objects.new("Plane", mesh)):
+        view.collection.objects.link(item)
+    view.camera, view.render.engine, view.cycles.use_denoising = camera, "CYCLES", False
+    view.view_settings.view_transform = "Standard"
+    view.render.dither_intensity = 0.0
+    return view
+
+
+@pytest.mark.parametrize("ending", ["exr", "png"])
+@pytest.mark.parametrize("shutter", [0.0, 0.5, 1.0])
+def test_an_exposed_frame_sees_what_happens_within_it(flash, tmp_path, shutter, ending):
+    """The mean over the shutter, here of a triangle of half a frame: 1/2 of it, and 1/4 of a whole frame."""
+    path = tmp_path / f"frame.{ending}"
+    flash.render.use_motion_blur = True
+    with headless.quiet():
+        assert not sequence.frame_to(flash, 2, path, "a note", shutter, samples=16, seed=3, resolution=(4, 4))
+        assert sequence.frame_to(flash, 2, path, "a note", shutter, samples=16, seed=3, resolution=(4, 4))
+    assert not sequence.is_done(path, "another note")
+    assert flash.render.use_motion_blur
+    # At midpoints of equal parts the mean of straight lines is exact, as the tips of the triangle lie between them.
+    expected = {0.0: 1.0, 0.5: 0.5, 1.0: 0.25}[shutter]
+    image = sequence._read(path)
+    if ending == "png":
+        np.testing.assert_allclose(image, sequence._srgb(np.float32(expected)), atol=0.5 / 255 + 1e-4)
+    else:
+        np.testing.assert_allclose(image, expected, rtol=1e-5)
 
 
 @pytest.mark.parametrize("factor", [1e-6, 1e6])

@@ -60,6 +60,7 @@ def test_presets_as_json_hold_the_contract():
         (["render", "rusting_iron", "-o", "a.png", "--time", "nan"], "--time: must be a number of share, got nan"),
         (["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--time", "1"], "give one of them"),
         (["render", "rusting_iron", "-o", "a.png", "--strip", "s.png"], "--strip s.png: goes with --frames"),
+        (["render", "rusting_iron", "-o", "a.png", "--shutter", "0.5"], "--shutter 0.5: goes with --frames"),
         (
             ["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--strip", "s.exr"],
             "a strip is a PNG",
@@ -298,8 +299,8 @@ def test_a_sequence_plays_the_course_and_is_taken_up_again(tmp_path):
     assert "wrote 4 frames" in again.stderr
     assert "2 of them there already" in again.stderr
     assert {path for path in paths if path.stat().st_mtime_ns == stamps[path]} == {paths[0], paths[3]}
-    other = vgroove(*frames, "--seed", "1")
-    assert "there already" not in other.stderr
+    for other in (["--seed", "1"], ["--shutter", "0.5"]):
+        assert "there already" not in vgroove(*frames, *other).stderr
 
 
 @pytest.mark.blender
@@ -321,6 +322,21 @@ def test_a_sequence_of_a_scene_has_a_strip_and_a_movie(scene_file, tmp_path, dri
     assert movie.frame_duration == 5
     bpy.data.movieclips.remove(movie)
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
+@pytest.mark.blender
+def test_outputs_may_be_names_alone(tmp_path):
+    """Then they come to where the command was called."""
+    base = ["render", "rusting_iron", "--samples", "1", "--resolution", "32x24", "--estimator", "closure"]
+    for more in (
+        ["-o", "still.png"],
+        ["--frames", "1-2", "-o", "r_#.png", "--strip", "strip.png", "--movie", "movie.mp4"],
+        ["--frames", "1-1", "--shutter", "0.5", "-o", "exposed_#.exr"],
+    ):
+        done = vgroove(*base, *more, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    names = ["exposed_1.exr", "movie.mp4", "r_1.png", "r_2.png", "still.png", "strip.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
 
 
 @pytest.mark.blender
