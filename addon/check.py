@@ -42,9 +42,9 @@ MIRROR_SLOPES = (0.1, 0.3, 0.6, 1.0)
 SPHERE_SLOPES = (1.0, 0.3, 0.1)
 SUN_THETAS = (20.0, 60.0, 74.0)  # the widest sun stays above the horizon
 # Broad lobes seldom hit a small sun; a wider one asks for as many fewer samples as it is larger.
-SUN_ANGLES = {0.1: 10.0, 0.3: 20.0, 0.6: 30.0, 1.0: 30.0}
+SUN_ANGLES = {0.1: 20.0, 0.3: 30.0, 0.6: 30.0, 1.0: 30.0}
 FURNACE_SAMPLES = 1024
-SUN_SAMPLES = {0.1: 12288, 0.3: 6144, 0.6: 7168, 1.0: 15360}  # a pixel, so that every row resolves surely_seen(0.01)
+SUN_SAMPLES = {0.1: 2560, 0.3: 2560, 0.6: 7168, 1.0: 15360}  # a pixel, so that every row resolves surely_seen(0.01)
 NOISY_ROWS = 32  # rows of the plan that are judged by Z-tests; a test holds it to the plan
 OWN_SEEDS = 100  # degrees of freedom to which a variance may be a pixel's own; beyond, it is that of many
 ROUNDING = 2.0**-24  # float32 rounds a number near 1 by up to this much

@@ -36,8 +36,8 @@ SUN_THETAS = (175.0, 150.0)
 # So many that every row surely turns red on a common error of 1 % (check.surely_seen).
 SAMPLES = {"all": 512, "below": 1024, "above": 3072}  # one side alone depends on what Cycles picks
 # From inside lobes are broad and seldom hit the disc.
-SUN_SAMPLES = {0.1: 4096, 0.3: 2048, 0.6: 2048, 1.0: 4096}
-INSIDE_SUN_SAMPLES = {0.1: 24576, 0.3: 12288}
+SUN_SAMPLES = {0.1: 512, 0.3: 512, 0.6: 2048, 1.0: 4096}
+INSIDE_SUN_SAMPLES = {0.1: 2048, 0.3: 4096}
 SMOOTH_BAR = 1e-4
 MODULES = {"closure": glass_closure, "mirror": glass_mirror}
 

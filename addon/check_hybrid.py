@@ -54,7 +54,7 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
 def furnace_excess(fresnel: Fresnel, m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """``excess`` for each ``furnace_directions``, (32, 3), on a coarse and on a fine grid."""
     wo = furnace_directions()
-    coarse, fine = (np.stack([excess(view, m, fresnel, DEFAULT_BOUND, nodes) for view in wo]) for nodes in (100, 140))
+    coarse, fine = (np.stack([excess(view, m, fresnel, DEFAULT_BOUND, nodes) for view in wo]) for nodes in (72, 100))
     return coarse, fine
 
 

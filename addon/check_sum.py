@@ -64,7 +64,7 @@ def exact_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
 def furnace_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     """``mirror`` and ``hybrid`` under a uniform white world: the weighted sum of what the parts send back."""
     of = preset(kind, m, GREY)
-    coarse, fine = (_sent_back(kind, m, estimator, nodes) for nodes in (100, 140))
+    coarse, fine = (_sent_back(kind, m, estimator, nodes) for nodes in (72, 100))
     # Two grids apart by as much say how well the reference is known.
     view = furnace_view(of, setup, estimator, fine, doubt=fine - coarse)
     return Row(f"{estimator}, furnace", setup, kind, m, [view])

@@ -10,7 +10,7 @@ from vgroove.addon import animation, check, check_time, gonio, headless, materia
 from vgroove.addon.animation import AnimationError, Play
 from vgroove.addon.material import Choice, MaterialError, build
 from vgroove.addon.presets import find, parse, shipped
-from vgroove.addon.reference import local_age, place_keys
+from vgroove.addon.reference import local_age, place_keys, rendered
 from vgroove.nodegroups import osl_script, ramp, trajectory
 
 pytestmark = pytest.mark.blender
@@ -116,7 +116,7 @@ def test_hybrid_sends_back_at_every_moment_what_the_reference_says(instrument, n
             assert len(row.views) == check_time.MOMENTS
             assert row.passed, (str(setup), driving, row.as_json())
             if not check.fresnel_approximation(setup, find(name).kind):  # on 4.5 native Fresnel terms are approximate
-                assert row.resolves < 0.01
+                assert row.resolves <= check.surely_seen(0.01)
                 assert not row.scaled(1.01).passed
 
 
@@ -132,19 +132,18 @@ def test_the_instrument_sees_a_course_that_is_off_by_one_percent_of_its_length(i
 
     for driving in animation.DRIVINGS:
         play = check_time.play_of(find(name), driving)
-        frames = check_time.moments(find(name), play)
+        frames = check_time.moments(find(name), play)[::3]
         geometry = gonio.Geometry(45.0, 0.0, (32, 32))
-        references = [check_time.at_frame(find(name), play, frame).reference() for frame in frames]
         with monkeypatch.context() as patch, headless.quiet():
             patch.setattr(animation, "keyframes", late)
             images = gonio.measure_course(
                 find(name), setup.backend, "direct", geometry, play, frames, shading_osl=setup.shading_osl
             )
-        wi, wo = geometry.wi(), geometry.wo()
-        worst = max(
-            np.abs(image - model.evaluate(wi, wo)).max() / model.evaluate(wi, wo).max()
-            for image, model in zip(images, references, strict=True)
-        )
+        worst = 0.0
+        for image, frame in zip(images, frames, strict=True):
+            of = check_time.at_frame(find(name), play, frame).reference()
+            expected = rendered(of, "direct")(geometry.wi(), geometry.wo())
+            worst = max(worst, np.abs(image - expected).max() / expected.max())
         assert worst > 10.0 * check.direct_bar(0.02)
 
 

@@ -39,8 +39,10 @@ def distances(setup, m, gain=1.0):
     return off / energy, lost / energy
 
 
-@pytest.mark.parametrize("setup", [NODES, OSL], ids=str)
-@pytest.mark.parametrize("m", [0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
+# OSL is the nodes' equal at every slope (fit_row of vgroove check), and slow to compile: two slopes show it here.
+@pytest.mark.parametrize(
+    ("setup", "m"), [*((NODES, m) for m in (0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0)), (OSL, 0.2), (OSL, 0.8)], ids=str
+)
 def test_rendered_fit_is_near_the_vgroove_model(instrument, setup, m):
     """L1 at most 4 % up to m = 0.4 and 8.5 % up to 1, albedo within 1 %, at every view to 85 degrees.
 
