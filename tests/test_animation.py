@@ -103,15 +103,9 @@ def test_direct_renders_every_moment_as_the_reference_has_it(instrument, name, d
 
 @pytest.mark.parametrize("name", CHANGING)
 def test_hybrid_sends_back_at_every_moment_what_the_reference_says(instrument, name):
-    """By Z-tests, in both backends and both ways of driving; one item, as they share the reference.
-
-    Where OSL compiles a course for each moment it takes longer than all else: some presets stand for all there. That it
-    gives the same parameters for all of them, ``direct`` shows.
-    """
+    """By Z-tests, in both backends and both ways of driving; one item, as they share the reference."""
     for setup in SETUPS:
         for driving in animation.DRIVINGS:
-            if setup.backend == "osl" and driving == "age" and name not in SHORT:
-                continue
             row = check_time.hybrid_row(setup, driving, name)
             assert len(row.views) == check_time.MOMENTS
             assert row.passed, (str(setup), driving, row.as_json())
