@@ -324,7 +324,7 @@ def measure(
         estimator = Estimator.MIRROR if extended else exact
     check_writable(output)
     _with_blender()
-    from . import gonio, headless
+    from . import gonio, headless, images
 
     geometry = gonio.Geometry(theta_i or 0.0, window, size, sun_angle, furnace)
     start = time.perf_counter()
@@ -347,7 +347,7 @@ def measure(
         "vgroove:geometry": json.dumps(asdict(geometry)), "vgroove:versions": json.dumps(_versions()),
     }  # fmt: skip
     with replacing(output) as temporary:
-        _write_exr(temporary, image, attributes)
+        images.write(temporary, image, attributes)
     err.print(f"wrote {output}", highlight=False, soft_wrap=True)
 
 
@@ -607,20 +607,3 @@ def _assign(
             if problem.text not in said:
                 err.print(f"warning: {problem.text}", highlight=False, markup=False, soft_wrap=True)
             said.add(problem.text)
-
-
-def _write_exr(path: Path, image: Any, attributes: dict[str, Any]) -> None:
-    import numpy as np
-    import OpenImageIO as oiio  # noqa: N813 - its usual name. The one inside the bpy wheel: headless.prepare() has put it first
-
-    height, width, _ = image.shape
-    spec = oiio.ImageSpec(width, height, 3, "float")
-    spec.attribute("oiio:ColorSpace", "lin_rec709")
-    spec.attribute("compression", "zip")
-    for name, value in attributes.items():
-        spec.attribute(name, value)
-    file = oiio.ImageOutput.create(str(path))
-    if file is None or not file.open(str(path), spec) or not file.write_image(np.ascontiguousarray(image)):
-        message = f"{path}: cannot be written: {oiio.geterror()}"
-        raise OSError(message)
-    file.close()

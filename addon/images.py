@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's images as arrays."""
+"""Pictures as arrays: Blender's images, and files by the OpenImageIO that comes with it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
     from bpy.types import Image
     from numpy.typing import NDArray
 
@@ -18,3 +21,25 @@ def pixels(image: Image) -> NDArray[np.float32]:
     image.pixels.foreach_get(flat)
     width, height = image.size
     return flat.reshape(height, width, -1)[::-1, :, :3]
+
+
+def write(path: Path, picture: NDArray[np.floating], attributes: Mapping[str, Any]) -> None:
+    """(H, W, 3) as float32 EXR, or where the name ends in .png as 8 bits of what is from 0 to 1, with attributes.
+
+    OSError where that fails.
+    """
+    import OpenImageIO as oiio  # noqa: N813 - its usual name. The one inside the bpy wheel: headless.prepare() has put it first
+
+    is_float = path.suffix.lower() == ".exr"
+    height, width, _ = picture.shape
+    spec = oiio.ImageSpec(width, height, 3, "float" if is_float else "uint8")
+    if is_float:
+        spec.attribute("oiio:ColorSpace", "lin_rec709")
+        spec.attribute("compression", "zip")
+    for name, value in attributes.items():
+        spec.attribute(name, value)
+    file = oiio.ImageOutput.create(str(path))
+    values = np.ascontiguousarray(picture, np.float32)
+    if file is None or not (file.open(str(path), spec) and file.write_image(values) and file.close()):
+        message = f"{path}: cannot be written: {file.geterror() if file else oiio.geterror()}"
+        raise OSError(message)

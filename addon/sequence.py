@@ -20,7 +20,7 @@ import numpy as np
 
 from . import scene
 from .files import check_writable, replacing
-from .images import pixels
+from .images import pixels, write
 from .scene import SceneError
 
 if TYPE_CHECKING:
@@ -65,7 +65,9 @@ def frame_to(shown: Scene, frame: int, path: Path, wanted: str, shutter: float =
     if is_done(path, wanted):
         return True
     if shutter:
-        _write(exposed(shown, frame, shutter, **settings), shown, path, wanted)
+        picture = exposed(shown, frame, shutter, **settings)
+        with replacing(path) as temporary:
+            write(temporary, picture if path.suffix.lower() == ".exr" else _displayed(picture, shown), {"Note": wanted})
     else:
         shown.frame_set(frame)
         scene.still(shown, path, note=wanted, **settings)
@@ -103,23 +105,6 @@ def _read(path: Path) -> NDArray[np.float32]:
         return pixels(image)
     finally:
         bpy.data.images.remove(image)
-
-
-def _write(picture: NDArray[np.float32], shown: Scene, path: Path, wanted: str) -> None:
-    """A picture in linear light as the scene's settings would save it, with the note."""
-    import OpenImageIO as oiio  # noqa: N813 - as above
-
-    is_float = path.suffix.lower() == ".exr"
-    if not is_float:
-        picture = _displayed(picture, shown)
-    height, width, _ = picture.shape
-    spec = oiio.ImageSpec(width, height, 3, "float" if is_float else "uint8")
-    spec.attribute("Note", wanted)
-    with replacing(path) as temporary:
-        file = oiio.ImageOutput.create(str(temporary))
-        if not (file and file.open(str(temporary), spec) and file.write_image(picture) and file.close()):
-            message = f"{path}: could not be written: {oiio.geterror() or file.geterror()}"
-            raise OSError(message)
 
 
 def _displayed(picture: NDArray[np.float32], shown: Scene) -> NDArray[np.float32]:
