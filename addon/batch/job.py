@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A job file (TOML) and the tasks that it stands for. Imports no bpy.
+
+Every ``[[render]]`` table is a grid: its keys are those of ``vgroove render``, and a key with a list is an axis.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+import re
+import tomllib
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .. import presets
+from ..preset_checks import RGB, PresetError, as_typed, base_name, check_key
+from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from ..presets import Preset
+
+PREVIEW = "preview"  # the scene that comes with vgroove; its ball takes the preset
+BACKENDS = ("nodes", "osl")
+ESTIMATORS = ("auto", "fit", "closure", "corrected", "hybrid", "mirror", "direct")
+OUTPUTS = ("exr", "png")
+MOST_TASKS = 1_000_000
+MOST_PIXELS, MOST_SAMPLES, MOST_SEED = 16384, 2**24, 2**31 - 1  # a side; a pixel
+LONGEST_FILE = 1_000_000  # bytes
+# What a table may hold, and what stands for a key that is not there
+DEFAULTS: dict[str, Any] = {
+    "scene": PREVIEW, "object": "", "preset": [], "assign": {}, "set": {}, "time": [], "frames": "",
+    "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "samples": 128, "seed": 0,
+    "resolution": "640x480", "output": "exr",
+}  # fmt: skip
+TOP = ("render",)
+
+
+class JobError(PresetError):
+    """A job file that does not hold, in one line: what, where, how to mend it."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One still, and everything that decides its pixels.
+
+    given: objects of the scene with the material that each gets, as it is at the task's time.
+    labels: where the task stands in the grid, for people; not part of what it is.
+    """
+
+    scene: str
+    digest: str  # of the scene file's content; empty for the preview scene
+    given: tuple[tuple[str, Preset], ...]
+    frame: int | None
+    backend: str
+    estimator: str
+    bound: float
+    samples: int
+    seed: int
+    resolution: tuple[int, int]
+    outputs: tuple[str, ...]
+    labels: tuple[tuple[str, str], ...] = ()
+
+    def content(self) -> dict[str, Any]:
+        """What decides the pixels, as JSON has it; names, sources and places of files do not."""
+        materials = [
+            [name, of.model, of.kind, of.coupled, sorted(of.parameters.items())] for name, of in sorted(self.given)
+        ]
+        return {
+            "scene": self.digest or PREVIEW, "materials": materials, "frame": self.frame, "backend": self.backend,
+            "estimator": self.estimator, "bound": self.bound if self.estimator in {"auto", "hybrid"} else None,
+            "samples": self.samples, "seed": self.seed, "resolution": self.resolution,
+        }  # fmt: skip
+
+    def identity(self, versions: dict[str, str]) -> str:
+        """The task's name: 32 hex digits of a SHA-256 of its content, and of the versions that render it."""
+        text = json.dumps([self.content(), versions], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+    @cached_property
+    def label(self) -> str:
+        """The task in words."""
+        return ", ".join(value if name == "preset" else f"{name} {value}" for name, value in self.labels)
+
+
+def load(path: Path) -> list[Task]:
+    """The tasks of a job file, each once, in the order of the file; JobError or PresetError if it does not hold.
+
+    Scenes are looked for beside the file.
+    """
+    try:
+        if path.stat().st_size > LONGEST_FILE:
+            message = f"{path}: is larger than {LONGEST_FILE} bytes; make several jobs of it"
+            raise JobError(message)
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        message = f"{path}: cannot be read: {error}"
+        raise JobError(message) from error
+    return parse(text, str(path), path.parent)
+
+
+def parse(text: str, where: str, folder: Path) -> list[Task]:
+    """The tasks of a job in TOML ``text``; ``where`` opens every JobError."""
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits; lists in lists in lists
+        message = f"{where}: not valid TOML: {error}"
+        raise JobError(message) from error
+    for key in data:
+        check_key(where, key, TOP)
+    tables = as_typed(where, "render", data.get("render", []), list)
+    if not tables:
+        message = f'{where}: nothing to render; add a table [[render]] with preset = "copper"'
+        raise JobError(message)
+    found: dict[str, Task] = {}
+    for number, table in enumerate(tables, 1):
+        here = f"{where}: render {number}"
+        grid = _Grid(here, as_typed(here, "[[render]]", table, dict), folder)
+        if grid.count > MOST_TASKS:
+            message = f"{here}: makes {grid.count} tasks, more than {MOST_TASKS}; make several jobs of it"
+            raise JobError(message)
+        for task in grid.tasks():
+            found.setdefault(task.identity({}), task)
+    return list(found.values())
+
+
+class _Grid:
+    """One table [[render]]: its axes, each a list of values that hold."""
+
+    def __init__(self, where: str, table: dict[str, Any], folder: Path) -> None:
+        for key in table:
+            check_key(where, key, DEFAULTS)
+        self.where, self.table = where, DEFAULTS | table
+        self.folder = folder
+        self.object = as_typed(where, "object", self.table["object"], str)
+        self.frames = _frames(where, self.table["frames"])
+        self.outputs = tuple(self.choices("output", OUTPUTS))
+        fixed = as_typed(where, "assign", self.table["assign"], dict)
+        self.fixed = tuple((name, self.found("assign", preset)) for name, preset in fixed.items())
+        changes = as_typed(where, "set", self.table["set"], dict)
+        self.axes: dict[str, list[Any]] = {
+            "scene": [self.scene(one) for one in self.values("scene")],
+            "preset": [self.found("preset", one) for one in self.values("preset")] or [None],
+            **{f"set.{name}": _axis(where, name, value) for name, value in changes.items()},
+            "time": [self.number("time", one) for one in self.values("time")] or [None],
+            "frame": list(self.frames) or [None],
+            "backend": self.choices("backend", BACKENDS),
+            "estimator": self.choices("estimator", ESTIMATORS),
+            "bound": [self.number("bound", one, *BOUNDS) for one in self.values("bound")],
+            "samples": [self.whole("samples", one, 1, MOST_SAMPLES) for one in self.values("samples")],
+            "seed": [self.whole("seed", one, 0, MOST_SEED) for one in self.values("seed")],
+            "resolution": [self.size(one) for one in self.values("resolution")],
+        }
+        self.holds_together()
+
+    @property
+    def count(self) -> int:
+        return math.prod(map(len, self.axes.values()))
+
+    def holds_together(self) -> None:
+        """What one key asks of another."""
+        shown = [path for path, _ in self.axes["scene"]]
+        chosen = [one for one in self.axes["preset"] if one is not None]
+        message = ""
+        if PREVIEW in shown and (self.object or self.fixed):
+            message = "object and assign go with a .blend; the preview scene shows the preset itself"
+        elif PREVIEW in shown and not chosen:
+            message = 'preset is missing; add preset = "copper"'
+        elif chosen and set(shown) != {PREVIEW} and not self.object:
+            message = 'object is missing: which of the scene\'s gets the preset? add object = "Ball"'
+        elif self.object and not chosen:
+            message = f'object "{self.object}" has no preset to get; add preset = "copper"'
+        elif self.axes["time"] != [None] and self.frames:
+            message = "time shows moments and frames a sequence; give one of them"
+        elif self.table["set"] and not chosen:
+            message = "set changes parameters of preset, which is missing"
+        moved = [one for one in [*chosen, *(one for _, one in self.fixed)] if one.time]
+        if not message and self.axes["time"] != [None] and not moved:
+            message = "time: none of the presets changes over time; leave it out"
+        if message:
+            message = f"{self.where}: {message}"
+            raise JobError(message)
+
+    def tasks(self) -> Iterator[Task]:
+        """The grid's points, the last axis first."""
+        varied = [name for name, axis in self.axes.items() if len(axis) > 1 or name in {"preset", "time", "frame"}]
+        for values in itertools.product(*self.axes.values()):
+            at = dict(zip(self.axes, values, strict=True))
+            path, digest = at["scene"]
+            given = [(name, self.moved(one, at)) for name, one in self.fixed]
+            if at["preset"] is not None:
+                changes = {name[4:]: value for name, value in at.items() if name.startswith("set.")}
+                given.append((self.object or "Ball", self.moved(self.changed(at["preset"], changes), at)))
+            labels = tuple((name, _text(at[name])) for name in varied if at[name] is not None)
+            yield Task(
+                path, digest, tuple(given), at["frame"], at["backend"], at["estimator"], at["bound"], at["samples"],
+                at["seed"], at["resolution"], self.outputs, labels,
+            )  # fmt: skip
+
+    def changed(self, preset: Preset, changes: dict[str, Any]) -> Preset:
+        try:
+            return preset.with_parameters(**changes)
+        except PresetError as error:
+            message = f"{self.where}: set: {error}"
+            raise JobError(message) from error
+
+    def moved(self, preset: Preset, at: dict[str, Any]) -> Preset:
+        """The preset as it is at the point's time, or as far through its course as the frame is through the frames."""
+        if preset.time is None:
+            return preset
+        if at["time"] is not None:
+            return preset.at(at["time"])
+        if at["frame"] is None:
+            return replace(preset, time=None)
+        age = (at["frame"] - self.frames[0]) / max(self.frames[-1] - self.frames[0], 1)
+        return preset.at(float(preset.trajectory().time(age)))
+
+    # One value of a key
+
+    def values(self, key: str) -> list[Any]:
+        value = self.table[key]
+        if value == [] and value is not DEFAULTS[key]:
+            message = f"{self.where}: {key} is an empty list; give a value or leave it out"
+            raise JobError(message)
+        return value if isinstance(value, list) else [value]
+
+    def scene(self, value: Any) -> tuple[str, str]:
+        """PREVIEW, or a .blend by its path and the SHA-256 of its content."""
+        name = as_typed(self.where, "scene", value, str)
+        if name == PREVIEW:
+            return PREVIEW, ""
+        path = (self.folder / name).absolute()
+        if path.suffix != ".blend" or not path.is_file():
+            message = f'{self.where}: scene "{name}": no such .blend in {self.folder.absolute()}, nor is it "{PREVIEW}"'
+            raise JobError(message)
+        with path.open("rb") as file:
+            return str(path), hashlib.file_digest(file, "sha256").hexdigest()
+
+    def found(self, key: str, value: Any) -> Preset:
+        name = as_typed(self.where, key, value, str)
+        try:
+            return presets.find(name)
+        except PresetError as error:
+            message = f"{self.where}: {key}: {error}"
+            raise JobError(message) from error
+
+    def choices(self, key: str, known: Sequence[str]) -> list[str]:
+        for value in self.values(key):
+            if as_typed(self.where, key, value, str) not in known:
+                message = f'{self.where}: unknown {key} "{value}"; use {", ".join(known)}'
+                raise JobError(message)
+        return self.values(key)
+
+    def number(self, key: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
+        try:
+            number = float(as_typed(self.where, key, value, float))
+        except OverflowError:  # an integer of hundreds of digits
+            number = math.inf
+        if not (math.isfinite(number) and low <= number <= high):
+            span = f" from {low:g} to {high:g}" if math.isfinite(low) else ""
+            message = f"{self.where}: {key} must be a number{span}, got {number:g}"
+            raise JobError(message)
+        return number
+
+    def whole(self, key: str, value: Any, low: int, high: int) -> int:
+        if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
+            message = f"{self.where}: {key} must be a whole number from {low} to {high}, got {value!r}"
+            raise JobError(message)
+        return value
+
+    def size(self, value: Any) -> tuple[int, int]:
+        found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", as_typed(self.where, "resolution", value, str))
+        width, height = (int(found[1]), int(found[2])) if found else (0, 0)
+        if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
+            message = (
+                f"{self.where}: resolution {value!r}: write WIDTHxHEIGHT in pixels up to {MOST_PIXELS}, as in 640x480"
+            )
+            raise JobError(message)
+        return width, height
+
+
+def _axis(where: str, name: str, value: Any) -> list[Any]:
+    """Values of a parameter. Of a colour a list of numbers is one value, and several are a list of lists."""
+    if value == []:
+        message = f"{where}: set.{name} is an empty list; give a value or leave it out"
+        raise JobError(message)
+    several = isinstance(value, list) and (base_name(name) not in RGB or any(isinstance(one, list) for one in value))
+    return value if several else [value]
+
+
+def _frames(where: str, value: Any) -> range:
+    text = as_typed(where, "frames", value, str)
+    found = re.fullmatch(r"(-?\d{1,7})-(-?\d{1,7})", text)
+    if text and (not found or int(found[2]) < int(found[1])):
+        message = f'{where}: frames "{text}": write FIRST-LAST, as in 1-48'
+        raise JobError(message)
+    return range(int(found[1]), int(found[2]) + 1) if found else range(0)
+
+
+def _text(value: Any) -> str:
+    """A value of an axis for people."""
+    if hasattr(value, "id"):
+        return str(value.id)
+    if isinstance(value, (list, tuple)):
+        return Path(value[0]).stem if isinstance(value[0], str) else "x".join(f"{part:g}" for part in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
