@@ -181,9 +181,11 @@ def render(
     if span:
         play = animation.Play(str(driving), float(span[0]), float(max(span[-1] - span[0], 1)), tolerance)
     with headless.quiet():
-        shown = _open(what) if is_scene else scene.preview()
+        shown = scene.opened(Path(what)) if is_scene else scene.preview()
         shown.cycles.samples = samples or (shown.cycles.samples if is_scene else PREVIEW_SAMPLES)
-        _assign(shown, changed, backend, estimator, bound, "--assign" if is_scene else "", play)
+        warnings = scene.assign(shown, changed, str(backend), str(estimator), bound, play, where="--assign ")
+    for text in warnings:
+        err.print(f"warning: {text}", highlight=False, markup=False, soft_wrap=True)
     if not is_scene:
         size = size or (640, 480)
     if not span:
@@ -373,7 +375,7 @@ def explain(
     from . import headless, scene
 
     with headless.quiet():
-        shown = _open(str(in_scene)) if in_scene else scene.preview()
+        shown = scene.opened(in_scene) if in_scene else scene.preview()
         shown.cycles.samples = samples or (shown.cycles.samples if in_scene else PREVIEW_SAMPLES)
         account = explaining.explain(preset, shown, str(backend), str(estimator))
     for title, kept in ((account.material.name, True), ("left out", False)):
@@ -562,48 +564,3 @@ def _frames(text: str | None, output: Path) -> list[int]:
 
 def _numbered(output: Path, frame: int) -> Path:
     return output.with_name(re.sub("#+", lambda marks: f"{frame:0{len(marks[0])}d}", output.name, count=1))
-
-
-def _open(path: str) -> Any:
-    import bpy
-
-    try:
-        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
-    except RuntimeError as error:
-        message = f"{path}: cannot be opened as a .blend: {' '.join(str(error).split())}"
-        raise InputError(message) from error
-    return bpy.context.scene
-
-
-def _assign(
-    shown: Any,
-    changed: list[tuple[str, Preset]],
-    backend: Backend,
-    estimator: Estimator,
-    bound: float,
-    flag: str,
-    play: Any = None,
-) -> None:
-    from . import material, scene
-
-    if backend == Backend.OSL:
-        shown.cycles.shading_system = True
-    said: set[str] = set()
-    for name, preset in changed:
-        chosen = str(estimator)
-        if estimator == Estimator.AUTO:
-            chosen = scene.pick_estimator(shown, preset.m, preset.model, str(backend))
-        lamps = scene.lamps_to_bind(shown, chosen, preset.model)
-        item = shown.objects.get(name)
-        if item is None:
-            known = ", ".join(sorted(other.name for other in shown.objects if other.type == "MESH"))
-            message = f'{flag} "{name}={preset.id}": the scene has no object of that name; it has {known}'
-            raise InputError(message)
-        choice = material.Choice(str(backend), chosen, lamps, bound=bound, play=play if preset.time else None)
-        if not material.apply(material.build(preset, choice), [item]):
-            message = f'{flag} "{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
-            raise InputError(message)
-        for problem in scene.problems_with(shown, preset, str(backend), chosen):
-            if problem.text not in said:
-                err.print(f"warning: {problem.text}", highlight=False, markup=False, soft_wrap=True)
-            said.add(problem.text)

@@ -15,13 +15,14 @@ import numpy as np
 from ..nodegroups import cook_torrance_closure, lamp
 from . import lamps
 from .files import replacing
-from .material import BUILDERS, EVERY_LAMP, KEY, NATIVE, RANDOM, Choice, binds, build, course_of, origin_of
+from .material import BUILDERS, EVERY_LAMP, KEY, NATIVE, RANDOM, Choice, apply, binds, build, course_of, origin_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from bpy.types import Material, Object, Scene
 
+    from .animation import Play
     from .presets import Preset
 
 SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
@@ -425,6 +426,52 @@ def light_by(scene: Scene, image: Path, strength: float = 1.0) -> None:
 
 
 # Stills
+
+
+# Scenes of others
+
+
+def opened(path: Path) -> Scene:
+    """The scene of a .blend, which takes the place of what is open; SceneError if it cannot be."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+    except RuntimeError as error:
+        message = f"{path}: cannot be opened as a .blend: {' '.join(str(error).split())}"
+        raise SceneError(message) from error
+    return bpy.context.scene
+
+
+def assign(
+    scene: Scene,
+    given: Sequence[tuple[str, Preset]],
+    backend: str,
+    estimator: str,
+    bound: float,
+    play: Play | None = None,
+    *,
+    where: str = "",
+) -> list[str]:
+    """Give objects, by name, the materials of presets, those that change by ``play``; returns warnings, each once.
+
+    estimator: "auto" picks one for each. SceneError, opened by ``where``, for a name that cannot have a material.
+    """
+    if backend == "osl":
+        scene.cycles.shading_system = True
+    said: dict[str, None] = {}
+    for name, preset in given:
+        chosen = pick_estimator(scene, preset.m, preset.model, backend) if estimator == "auto" else estimator
+        item = scene.objects.get(name)
+        if item is None:
+            known = ", ".join(sorted(other.name for other in scene.objects if other.type == "MESH"))
+            message = f'{where}"{name}={preset.id}": the scene has no object of that name; it has {known}'
+            raise SceneError(message)
+        bound_lamps = lamps_to_bind(scene, chosen, preset.model)
+        choice = Choice(backend, chosen, bound_lamps, bound=bound, play=play if preset.time else None)
+        if not apply(build(preset, choice), [item]):
+            message = f'{where}"{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
+            raise SceneError(message)
+        said |= dict.fromkeys(problem.text for problem in problems_with(scene, preset, backend, chosen))
+    return list(said)
 
 
 def still(

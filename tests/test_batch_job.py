@@ -84,6 +84,13 @@ def test_a_scene_is_named_by_its_content(tmp_path):
     assert tasks('scene = "a.blend"', tmp_path)[0].given == ()
 
 
+def test_an_object_gets_one_preset(tmp_path):
+    """Not one by preset and another by assign."""
+    (tmp_path / "a.blend").write_bytes(b"")
+    with pytest.raises(JobError, match='"Gate" is the object of preset and in assign too'):
+        tasks('preset = "copper"\nobject = "Gate"\nassign = {Gate = "gold"}\nscene = "a.blend"', tmp_path)
+
+
 def test_a_task_is_named_by_all_that_decides_its_pixels_and_nothing_else():
     """Each change of what decides them gives another name; names and sources of presets do not."""
     (task,) = tasks('preset = "copper"')
@@ -93,13 +100,14 @@ def test_a_task_is_named_by_all_that_decides_its_pixels_and_nothing_else():
         replace(task, given=(("Ball", replace(copper, id="a/b", name="B", source={}, notes="n", tags=("t",))),)),
         replace(task, outputs=("png",), labels=()),
         replace(task, scene="elsewhere"),
+        replace(task, frame=2),  # of the preview scene, where nothing else moves
     ]
     assert all(one.identity(VERSIONS) == name for one in same)
     other = [
         replace(task, given=(("Ball", copper.with_parameters(m=0.31)),)),
         replace(task, given=(("Gate", copper),)),
         replace(task, digest="0" * 64),
-        replace(task, frame=2),
+        replace(task, digest="0" * 64, frame=2),
         replace(task, backend="osl"),
         replace(task, estimator="mirror"),
         replace(task, bound=0.01),

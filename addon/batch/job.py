@@ -73,7 +73,8 @@ class Task:
             [name, of.model, of.kind, of.coupled, sorted(of.parameters.items())] for name, of in sorted(self.given)
         ]
         return {
-            "scene": self.digest or PREVIEW, "materials": materials, "frame": self.frame, "backend": self.backend,
+            "scene": self.digest or PREVIEW, "materials": materials, "backend": self.backend,
+            "frame": self.frame if self.digest else None,  # nothing else moves in the preview scene
             "estimator": self.estimator, "bound": self.bound if self.estimator in {"auto", "hybrid"} else None,
             "samples": self.samples, "seed": self.seed, "resolution": self.resolution,
         }  # fmt: skip
@@ -176,6 +177,8 @@ class _Grid:
             message = 'object is missing: which of the scene\'s gets the preset? add object = "Ball"'
         elif self.object and not chosen:
             message = f'object "{self.object}" has no preset to get; add preset = "copper"'
+        elif self.object in dict(self.fixed):
+            message = f'"{self.object}" is the object of preset and in assign too; take one of them out'
         elif self.axes["time"] != [None] and self.frames:
             message = "time shows moments and frames a sequence; give one of them"
         elif self.table["set"] and not chosen:
