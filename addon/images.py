@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import bpy
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
-    from bpy.types import Image
+    from bpy.types import Image, Scene
     from numpy.typing import NDArray
 
 
@@ -43,3 +45,29 @@ def write(path: Path, picture: NDArray[np.floating], attributes: Mapping[str, An
     if file is None or not (file.open(str(path), spec) and file.write_image(values) and file.close()):
         message = f"{path}: cannot be written: {file.geterror() if file else oiio.geterror()}"
         raise OSError(message)
+
+
+def load(path: Path) -> NDArray[np.float32]:
+    """``pixels`` of a file."""
+    image = bpy.data.images.load(str(path))
+    try:
+        return pixels(image)
+    finally:
+        bpy.data.images.remove(image)
+
+
+def displayed(picture: NDArray[np.float32], shown: Scene) -> NDArray[np.float32]:
+    """Through the scene's view transform, 0..1."""
+    height, width, _ = picture.shape
+    image = bpy.data.images.new("Frame", width, height, float_buffer=True)
+    full = np.concatenate([picture[::-1], np.ones((height, width, 1), np.float32)], axis=-1)
+    image.pixels.foreach_set(full.ravel())
+    settings = shown.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
+    try:
+        with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
+            path = Path(folder) / "frame.png"
+            image.save_render(str(path), scene=shown)
+            return load(path)
+    finally:
+        bpy.data.images.remove(image)

@@ -20,7 +20,7 @@ import numpy as np
 
 from . import scene
 from .files import check_writable, replacing
-from .images import pixels, write
+from .images import displayed, load, pixels, write
 from .scene import SceneError
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def frame_to(shown: Scene, frame: int, path: Path, wanted: str, shutter: float =
     if shutter:
         picture = exposed(shown, frame, shutter, **settings)
         with replacing(path) as temporary:
-            write(temporary, picture if path.suffix.lower() == ".exr" else _displayed(picture, shown), {"Note": wanted})
+            write(temporary, picture if path.suffix.lower() == ".exr" else displayed(picture, shown), {"Note": wanted})
     else:
         shown.frame_set(frame)
         scene.still(shown, path, note=wanted, **settings)
@@ -93,35 +93,10 @@ def exposed(
                 shown.frame_set(int(np.floor(moment)), subframe=moment - np.floor(moment))
                 each = -(-samples // MOMENTS)
                 scene.still(shown, path, samples=each, seed=(seed + k * SEED_STEP) % 2**31, **settings)
-                moments.append(_read(path))
+                moments.append(load(path))
     finally:
         shown.render.use_motion_blur, shown.cycles.samples, shown.cycles.seed = blurred, samples, seed
     return np.mean(moments, axis=0)
-
-
-def _read(path: Path) -> NDArray[np.float32]:
-    image = bpy.data.images.load(str(path))
-    try:
-        return pixels(image)
-    finally:
-        bpy.data.images.remove(image)
-
-
-def _displayed(picture: NDArray[np.float32], shown: Scene) -> NDArray[np.float32]:
-    """Through the scene's view transform, 0..1."""
-    height, width, _ = picture.shape
-    image = bpy.data.images.new("Frame", width, height, float_buffer=True)
-    full = np.concatenate([picture[::-1], np.ones((height, width, 1), np.float32)], axis=-1)
-    image.pixels.foreach_set(full.ravel())
-    settings = shown.render.image_settings
-    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
-    try:
-        with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
-            path = Path(folder) / "frame.png"
-            image.save_render(str(path), scene=shown)
-            return _read(path)
-    finally:
-        bpy.data.images.remove(image)
 
 
 # Contact strip
@@ -133,7 +108,8 @@ def strip(paths: Sequence[Path], labels: Sequence[str], output: Path) -> None:
     tiles = [np.concatenate([_tile(paths[k]), _label(labels[k])]) for k in chosen]
     gap = np.full((tiles[0].shape[0], GAP, 3), PAPER, np.float32)
     parts = [part for tile in tiles for part in (gap, tile)][1:]
-    write_png(np.concatenate(parts, axis=1), output)
+    with replacing(output) as temporary:
+        write(temporary, np.concatenate(parts, axis=1), {})
 
 
 def _tile(path: Path) -> NDArray[np.float32]:
@@ -169,20 +145,6 @@ def _label(text: str) -> NDArray[np.float32]:
         cover = pixels(image)
         bpy.data.images.remove(image)
     return PAPER + (INK - PAPER) * cover
-
-
-def write_png(picture: NDArray[np.float32], output: Path) -> None:
-    """Save (H, W, 3) in sRGB, 0..1."""
-    height, width, _ = picture.shape
-    image = bpy.data.images.new("Strip", width, height)
-    image.file_format = "PNG"
-    full = np.concatenate([picture[::-1], np.ones((height, width, 1), np.float32)], axis=-1)
-    image.pixels.foreach_set(full.astype(np.float32).ravel())
-    try:
-        with replacing(output) as temporary:
-            image.save(filepath=str(temporary))
-    finally:
-        bpy.data.images.remove(image)
 
 
 # Movie

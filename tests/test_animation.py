@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from vgroove.addon import animation, check, check_time, gonio, headless, material, sequence
+from vgroove.addon import animation, check, check_time, gonio, headless, images, material, sequence
 from vgroove.addon.animation import AnimationError, Play
 from vgroove.addon.material import Choice, MaterialError, build
 from vgroove.addon.presets import find, parse, shipped
@@ -339,7 +339,7 @@ def test_an_exposed_frame_sees_what_happens_within_it(flash, tmp_path, shutter, 
     assert flash.render.use_motion_blur
     # At midpoints of equal parts the mean of straight lines is exact, as the tips of the triangle lie between them.
     expected = {0.0: 1.0, 0.5: 0.5, 1.0: 0.25}[shutter]
-    image = sequence._read(path)
+    image = images.load(path)
     if ending == "png":
         np.testing.assert_allclose(image, sequence._srgb(np.float32(expected)), atol=0.5 / 255 + 1e-4)
     else:
