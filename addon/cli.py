@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import math
@@ -21,6 +22,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from . import presets
+from .batch.job import PREVIEW_SAMPLES, PREVIEW_SIZE
 from .files import check_writable, replacing
 from .preset_checks import PresetError
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
@@ -29,9 +31,12 @@ from .reference.keyframes import TOLERANCE
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from .batch.job import Task
+    from .batch.task import Outcome
     from .presets import Preset
 
-PREVIEW_SAMPLES = 128
+PLAN_ROWS = 20  # of --dry-run
+BYTES = {"exr": 12, "png": 3}  # a pixel, before compression
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__, rich_markup_mode=None)
 out, err = Console(), Console(stderr=True)
 
@@ -187,7 +192,7 @@ def render(
     for text in warnings:
         err.print(f"warning: {text}", highlight=False, markup=False, soft_wrap=True)
     if not is_scene:
-        size = size or (640, 480)
+        size = size or PREVIEW_SIZE
     if not span:
         with headless.quiet():
             scene.still(shown, output, samples=samples, seed=seed, resolution=size)
@@ -386,6 +391,67 @@ def explain(
         out.print(table)
     for problem in scene.problems_with(shown, preset, str(backend), account.estimator):
         out.print(f"advice: {problem.text}", highlight=False, markup=False)
+
+
+@app.command()
+def batch(
+    file: Annotated[Path, typer.Argument(metavar="JOB.toml", help="Tables [[render]]; see docs/batch.md")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Made if it is not there")],
+    *,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be rendered, and render nothing")] = False,
+) -> None:
+    """Render every task of a job file, each to a file of its own name; what is there and whole is kept."""
+    from .batch import job
+
+    tasks = job.load(file)
+    if dry_run:
+        _print_plan(tasks)
+        return
+    output.mkdir(parents=True, exist_ok=True)
+    check_writable(output / "results.csv")
+    _with_blender()
+    from . import headless
+    from .batch.task import Renderer
+
+    renderer, outcomes = Renderer(output, _versions()), []
+    for task in _progress(tasks, "rendering"):
+        with headless.quiet():
+            outcomes.append(renderer.render(task))
+    _write_results(output / "results.csv", tasks, outcomes)
+    kept = sum(one.status == "there" for one in outcomes)
+    left = f", {kept} of them there already" if kept else ""
+    err.print(f"wrote {len(outcomes)} stills to {output}{left}", highlight=False, soft_wrap=True)
+
+
+def _print_plan(tasks: Sequence[Task]) -> None:
+    """The tasks in words, the first and last of many, and what they add up to."""
+    table = Table("", "task", "samples", "resolution")
+    for index, task in enumerate(tasks, 1):
+        if index <= PLAN_ROWS or index == len(tasks):
+            size = "x".join(map(str, task.resolution)) if task.resolution else "the scene's"
+            table.add_row(str(index), escape(task.label), str(task.samples or "the scene's"), size)
+        elif index == PLAN_ROWS + 1:
+            table.add_row("...")
+    out.print(table)
+    known = [task for task in tasks if task.resolution]
+    pixels = sum(math.prod(task.resolution or ()) for task in known)
+    disk = sum(math.prod(task.resolution or ()) * sum(BYTES[kind] for kind in task.outputs) for task in known)
+    more = "" if len(known) == len(tasks) else f", and {len(tasks) - len(known)} of the size of their scene"
+    out.print(f"{len(tasks)} tasks, {pixels / 1e6:.3g} megapixels, up to {disk / 1e6:.3g} MB{more}", highlight=False)
+
+
+def _write_results(path: Path, tasks: Sequence[Task], outcomes: Sequence[Outcome]) -> None:
+    """A row a task; of one that was there already, the row that it had."""
+    before = {}
+    if path.is_file():
+        with path.open(newline="", encoding="utf-8") as file:
+            before = {row[0]: row for row in csv.reader(file) if row}
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow(["task", "status", "seconds", "render_seconds", "label"])
+        for task, one in zip(tasks, outcomes, strict=True):
+            now = [one.name, one.status, f"{one.seconds:.3f}", f"{one.render_seconds:.3f}", task.label]
+            rows.writerow(before.get(one.name, now) if one.status == "there" else now)
 
 
 @app.command()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line's contract: exit codes, one line for bad input, whole files or none."""
 
+import csv
 import json
 import subprocess
 import sys
@@ -61,6 +62,7 @@ def test_presets_as_json_hold_the_contract():
         (["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--time", "1"], "give one of them"),
         (["render", "rusting_iron", "-o", "a.png", "--strip", "s.png"], "--strip s.png: goes with --frames"),
         (["render", "rusting_iron", "-o", "a.png", "--shutter", "0.5"], "--shutter 0.5: goes with --frames"),
+        (["batch", "none.toml", "-o", "out"], "none.toml: cannot be read"),
         (
             ["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--strip", "s.exr"],
             "a strip is a PNG",
@@ -347,3 +349,36 @@ def test_time_in_a_scene_goes_to_those_that_change(scene_file, tmp_path):
     refused = vgroove("render", scene_file, "--assign", "Floor=copper", "--time", "0.5", "-o", tmp_path / "b.png")
     assert refused.returncode == 2
     assert "does not change over time" in refused.stderr
+
+
+@pytest.mark.blender
+def test_a_still_of_a_batch_is_what_render_makes(tmp_path):
+    """The same pixels."""
+    given = ["--set", "m=0.2", "--samples", "2", "--resolution", "24x16", "--seed", "3"]
+    assert vgroove("render", "copper", *given, "-o", tmp_path / "still.exr").returncode == 0
+    job = tmp_path / "job.toml"
+    job.write_text('[[render]]\npreset = "copper"\nset.m = 0.2\nsamples = 2\nresolution = "24x16"\nseed = 3\n')
+    assert vgroove("batch", job, "-o", tmp_path / "out").returncode == 0
+    (path,) = (tmp_path / "out").glob("*.exr")
+    np.testing.assert_array_equal(read_exr(path)[0], read_exr(tmp_path / "still.exr")[0])
+
+
+@pytest.mark.blender
+def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
+    """--dry-run writes nothing; the second run keeps all, and the table of results keeps its seconds."""
+    job = tmp_path / "job.toml"
+    job.write_text('[[render]]\npreset = ["copper", "gold"]\nseed = [0, 1]\nsamples = 2\nresolution = "24x16"\n')
+    planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run")
+    assert planned.returncode == 0, planned.stderr
+    assert "4 tasks" in planned.stdout
+    assert not (tmp_path / "out").exists()
+    first, again = (vgroove("batch", job, "-o", tmp_path / "out") for _ in range(2))
+    assert first.returncode == 0, first.stderr
+    assert "wrote 4 stills" in first.stderr
+    assert "4 of them there already" in again.stderr
+    with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["label"] for row in rows][:2] == ["lecture/copper, seed 0", "lecture/copper, seed 1"]
+    assert all(row["status"] == "rendered" and float(row["seconds"]) > 0 for row in rows)
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"results.csv", *(f"{row['task']}.exr" for row in rows)}

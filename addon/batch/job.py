@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from ..presets import Preset
 
 PREVIEW = "preview"  # the scene that comes with vgroove; its ball takes the preset
+PREVIEW_SAMPLES, PREVIEW_SIZE = 128, (640, 480)  # of it where none are given; a .blend has its own
 BACKENDS = ("nodes", "osl")
 ESTIMATORS = ("auto", "fit", "closure", "corrected", "hybrid", "mirror", "direct")
 OUTPUTS = ("exr", "png")
@@ -36,8 +37,8 @@ LONGEST_FILE = 1_000_000  # bytes
 # What a table may hold, and what stands for a key that is not there
 DEFAULTS: dict[str, Any] = {
     "scene": PREVIEW, "object": "", "preset": [], "assign": {}, "set": {}, "time": [], "frames": "",
-    "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "samples": 128, "seed": 0,
-    "resolution": "640x480", "output": "exr",
+    "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "samples": [], "seed": 0, "resolution": [],
+    "output": "exr",
 }  # fmt: skip
 TOP = ("render",)
 
@@ -51,6 +52,7 @@ class Task:
     """One still, and everything that decides its pixels.
 
     given: objects of the scene with the material that each gets, as it is at the task's time.
+    samples, resolution: the scene's own where None; a preview has numbers.
     labels: where the task stands in the grid, for people; not part of what it is.
     """
 
@@ -61,9 +63,9 @@ class Task:
     backend: str
     estimator: str
     bound: float
-    samples: int
+    samples: int | None
     seed: int
-    resolution: tuple[int, int]
+    resolution: tuple[int, int] | None
     outputs: tuple[str, ...]
     labels: tuple[tuple[str, str], ...] = ()
 
@@ -154,9 +156,9 @@ class _Grid:
             "backend": self.choices("backend", BACKENDS),
             "estimator": self.choices("estimator", ESTIMATORS),
             "bound": [self.number("bound", one, *BOUNDS) for one in self.values("bound")],
-            "samples": [self.whole("samples", one, 1, MOST_SAMPLES) for one in self.values("samples")],
+            "samples": [self.whole("samples", one, 1, MOST_SAMPLES) for one in self.values("samples")] or [None],
             "seed": [self.whole("seed", one, 0, MOST_SEED) for one in self.values("seed")],
-            "resolution": [self.size(one) for one in self.values("resolution")],
+            "resolution": [self.size(one) for one in self.values("resolution")] or [None],
         }
         self.holds_together()
 
@@ -200,6 +202,8 @@ class _Grid:
             if at["preset"] is not None:
                 changes = {name[4:]: value for name, value in at.items() if name.startswith("set.")}
                 given.append((self.object or "Ball", self.moved(self.changed(at["preset"], changes), at)))
+            if path == PREVIEW:
+                at["samples"], at["resolution"] = at["samples"] or PREVIEW_SAMPLES, at["resolution"] or PREVIEW_SIZE
             labels = tuple((name, _text(at[name])) for name in varied if at[name] is not None)
             yield Task(
                 path, digest, tuple(given), at["frame"], at["backend"], at["estimator"], at["bound"], at["samples"],
