@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from vgroove.addon.batch.job import JobError, load, parse
+from vgroove.addon.batch.job import DEFAULTS, JobError, load, parse
 from vgroove.addon.preset_checks import LONGEST_MESSAGE, PresetError
 from vgroove.addon.presets import find
 
@@ -82,6 +82,15 @@ def test_a_scene_is_named_by_its_content(tmp_path):
     assert [name for name, _ in a.given] == ["Floor", "Gate"]
     assert of_file.identity(VERSIONS) == a.identity(VERSIONS) == b.identity(VERSIONS) != c.identity(VERSIONS)
     assert tasks('scene = "a.blend"', tmp_path)[0].given == ()
+
+
+def test_the_job_of_the_documentation_holds(tmp_path):
+    """12 stills, 48 frames and 8 of a scene."""
+    text = (Path(__file__).parent.parent / "docs" / "batch.md").read_text(encoding="utf-8")
+    (tmp_path / "hall.blend").write_bytes(b"")
+    (job,) = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
+    assert len(parse(job, "docs/batch.md", tmp_path)) == 12 + 48 + 8
+    assert set(re.findall(r"^\| `(\w+)", text, flags=re.MULTILINE)) | {"resolution"} == set(DEFAULTS)
 
 
 def test_an_object_gets_one_preset(tmp_path):
