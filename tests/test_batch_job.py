@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Job files: what they stand for, what a task's name depends on, and what is turned away in one line."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
