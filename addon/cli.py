@@ -10,6 +10,7 @@ import math
 import re
 import sys
 import time
+from collections import Counter
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
@@ -416,11 +417,18 @@ def batch(
     renderer, outcomes = Renderer(output, _versions()), []
     for task in _progress(tasks, "rendering"):
         with headless.quiet():
-            outcomes.append(renderer.render(task))
+            outcomes.append(renderer.attempt(task))
     _write_results(output / "results.csv", tasks, outcomes)
+    failed = [one for one in outcomes if one.status == "failed"]
     kept = sum(one.status == "there" for one in outcomes)
     left = f", {kept} of them there already" if kept else ""
-    err.print(f"wrote {len(outcomes)} stills to {output}{left}", highlight=False, soft_wrap=True)
+    err.print(f"wrote {len(outcomes) - len(failed)} stills to {output}{left}", highlight=False, soft_wrap=True)
+    if failed:
+        reasons = Counter(one.reason for one in failed)
+        reason, times = reasons.most_common(1)[0]
+        more = f" ({times} of them; {output / 'results.csv'} has all reasons)" if len(reasons) > 1 else ""
+        message = f"{len(failed)} of {len(tasks)} tasks failed: {reason}{more}"
+        raise RuntimeError(message)
 
 
 def _print_plan(tasks: Sequence[Task]) -> None:
@@ -448,9 +456,9 @@ def _write_results(path: Path, tasks: Sequence[Task], outcomes: Sequence[Outcome
             before = {row[0]: row for row in csv.reader(file) if row}
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        rows.writerow(["task", "status", "seconds", "render_seconds", "label"])
+        rows.writerow(["task", "status", "seconds", "render_seconds", "label", "reason"])
         for task, one in zip(tasks, outcomes, strict=True):
-            now = [one.name, one.status, f"{one.seconds:.3f}", f"{one.render_seconds:.3f}", task.label]
+            now = [one.name, one.status, f"{one.seconds:.3f}", f"{one.render_seconds:.3f}", task.label, one.reason]
             rows.writerow(before.get(one.name, now) if one.status == "there" else now)
 
 

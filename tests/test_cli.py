@@ -353,6 +353,24 @@ def test_time_in_a_scene_goes_to_those_that_change(scene_file, tmp_path):
 
 
 @pytest.mark.blender
+def test_a_task_that_fails_does_not_keep_the_rest_from_being_rendered(scene_file, tmp_path):
+    """An object that is not there: exit 3, one line with the reason, which the table has too."""
+    job = tmp_path / "job.toml"
+    job.write_text(
+        f'[[render]]\nscene = "{scene_file}"\nobject = "Flour"\npreset = "gold"\n'
+        f'[[render]]\nscene = "{scene_file}"\nobject = "Floor"\npreset = "gold"\n'
+    )
+    done = vgroove("batch", job, "-o", tmp_path / "out")
+    assert done.returncode == 3
+    assert '1 of 2 tasks failed: "Flour=metals/gold": the scene has no object of that name; it has' in done.stderr
+    with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["status"] for row in rows] == ["failed", "rendered"]
+    assert "no object of that name" in rows[0]["reason"]
+    assert len(list((tmp_path / "out").glob("*.exr"))) == 1
+
+
+@pytest.mark.blender
 def test_a_still_of_a_batch_is_what_render_makes(tmp_path):
     """The same pixels."""
     given = ["--set", "m=0.2", "--samples", "2", "--resolution", "24x16", "--seed", "3"]

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ...nodegroups.osl_script import OslError
 from .. import scene
 from ..files import replacing
 from ..images import displayed, load, write
-from ..material import KEY
+from ..material import KEY, MaterialError
+from ..scene import SceneError
 from ..sequence import is_done
 from .job import PREVIEW
 
@@ -47,6 +49,16 @@ class Renderer:
         self.folder, self.versions = folder, dict(versions)
         self._wanted: object = None  # what the open scene was opened for
         self._own = 0, 0, (0, 0)  # frame, samples and resolution that its file has
+
+    def attempt(self, task: Task) -> Outcome:
+        """``render``, or why it could not be. OSError still ends the work: a full disk fails every task."""
+        start = time.perf_counter()
+        try:
+            return self.render(task)
+        except (SceneError, MaterialError, OslError, RuntimeError) as error:
+            self._wanted = None  # whatever state the scene is in now
+            reason = " ".join(str(error).split())
+            return Outcome(task.identity(self.versions), "failed", time.perf_counter() - start, reason=reason)
 
     def render(self, task: Task) -> Outcome:
         """The task's files in the folder, each whole or not at all; those that are there and whole are kept."""
