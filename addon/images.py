@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
+from .files import replacing
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -45,6 +47,12 @@ def write(path: Path, picture: NDArray[np.floating], attributes: Mapping[str, An
     if file is None or not (file.open(str(path), spec) and file.write_image(values) and file.close()):
         message = f"{path}: cannot be written: {file.geterror() if file else oiio.geterror()}"
         raise OSError(message)
+
+
+def save(path: Path, picture: NDArray[np.floating], shown: Scene, attributes: Mapping[str, Any]) -> None:
+    """A picture in linear light as EXR, or as it looks in the scene as PNG; whole or not at all."""
+    with replacing(path) as temporary:
+        write(temporary, picture if path.suffix.lower() == ".exr" else displayed(picture, shown), attributes)
 
 
 def load(path: Path) -> NDArray[np.float32]:

@@ -425,9 +425,6 @@ def light_by(scene: Scene, image: Path, strength: float = 1.0) -> None:
     scene.world = world
 
 
-# Stills
-
-
 # Scenes of others
 
 
@@ -472,6 +469,9 @@ def assign(
             raise SceneError(message)
         said |= dict.fromkeys(problem.text for problem in problems_with(scene, preset, backend, chosen))
     return list(said)
+
+
+# Stills
 
 
 def still(

@@ -20,7 +20,7 @@ import numpy as np
 
 from . import scene
 from .files import check_writable, replacing
-from .images import displayed, load, pixels, write
+from .images import load, pixels, save, write
 from .scene import SceneError
 
 if TYPE_CHECKING:
@@ -65,9 +65,7 @@ def frame_to(shown: Scene, frame: int, path: Path, wanted: str, shutter: float =
     if is_done(path, wanted):
         return True
     if shutter:
-        picture = exposed(shown, frame, shutter, **settings)
-        with replacing(path) as temporary:
-            write(temporary, picture if path.suffix.lower() == ".exr" else displayed(picture, shown), {"Note": wanted})
+        save(path, exposed(shown, frame, shutter, **settings), shown, {"Note": wanted})
     else:
         shown.frame_set(frame)
         scene.still(shown, path, note=wanted, **settings)
@@ -141,9 +139,7 @@ def _label(text: str) -> NDArray[np.float32]:
     with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
         path = Path(folder) / "label.png"
         imbuf.write(canvas, filepath=str(path))
-        image = bpy.data.images.load(str(path))
-        cover = pixels(image)
-        bpy.data.images.remove(image)
+        cover = load(path)
     return PAPER + (INK - PAPER) * cover
 
 

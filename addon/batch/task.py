@@ -13,8 +13,7 @@ import bpy
 
 from ...nodegroups.osl_script import OslError
 from .. import scene
-from ..files import replacing
-from ..images import displayed, load, write
+from ..images import load, save
 from ..material import KEY, MaterialError
 from ..scene import SceneError
 from ..sequence import is_done
@@ -86,8 +85,7 @@ class Renderer:
             render_seconds = time.perf_counter() - began
             pixels = load(picture)
         for path in paths:
-            with replacing(path) as temporary:
-                write(temporary, pixels if path.suffix == ".exr" else displayed(pixels, shown), {"Note": note})
+            save(path, pixels, shown, {"Note": note})
         return Outcome(name, "rendered", time.perf_counter() - start, render_seconds)
 
     def _scene(self, task: Task) -> Scene:
