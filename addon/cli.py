@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
 import re
 import sys
 import time
-from collections import Counter
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
@@ -30,14 +28,13 @@ from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 from .reference.keyframes import TOLERANCE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 
     from .batch.job import Task
-    from .batch.task import Outcome
+    from .batch.outcome import Outcome
     from .presets import Preset
 
-PLAN_ROWS = 20  # of --dry-run
-BYTES = {"exr": 12, "png": 3}  # a pixel, before compression
+INTERRUPTED = 130  # exit code, as shells have it
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__, rich_markup_mode=None)
 out, err = Console(), Console(stderr=True)
 
@@ -260,7 +257,7 @@ def _sequence(shown: Any, span: list[int], output: Path, wanted: Any, **settings
     from . import headless, sequence
 
     kept, note = 0, sequence.note(wanted)
-    for frame in _progress(span, "rendering"):
+    for frame in _progress(span, "rendering", len(span)):
         with headless.quiet():
             kept += sequence.frame_to(shown, frame, _numbered(output, frame), note, **settings)
     left = f", {kept} of them there already" if kept else ""
@@ -400,66 +397,78 @@ def batch(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Made if it is not there")],
     *,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be rendered, and render nothing")] = False,
+    part: Annotated[
+        str | None, typer.Option("--tasks", metavar="A-B", help="Only these tasks, as --dry-run numbers them")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes; by default one a core, as far as memory goes")
+    ] = None,
+    timeout: Annotated[float | None, typer.Option(min=1.0, metavar="S", help="Seconds that a task may take")] = None,
+    memory: Annotated[
+        int | None,
+        typer.Option(min=256, metavar="MB", help="That a process may take; by default a share of what is free"),
+    ] = None,
 ) -> None:
     """Render every task of a job file, each to a file of its own name; what is there and whole is kept."""
-    from .batch import job
+    from .batch import job, results
 
-    tasks = job.load(file)
+    tasks = _part(job.load(file), part)
     if dry_run:
-        _print_plan(tasks)
+        out.print(results.plan(tasks))
+        out.print(results.demand(tasks), highlight=False)
         return
     output.mkdir(parents=True, exist_ok=True)
-    check_writable(output / "results.csv")
-    _with_blender()
-    from . import headless
-    from .batch.task import Renderer
+    check_writable(output / results.FILE)
+    from .batch import pool
 
-    renderer, outcomes = Renderer(output, _versions()), []
-    for task in _progress(tasks, "rendering"):
-        with headless.quiet():
-            outcomes.append(renderer.attempt(task))
-    _write_results(output / "results.csv", tasks, outcomes)
-    failed = [one for one in outcomes if one.status == "failed"]
-    kept = sum(one.status == "there" for one in outcomes)
-    left = f", {kept} of them there already" if kept else ""
-    err.print(f"wrote {len(outcomes) - len(failed)} stills to {output}{left}", highlight=False, soft_wrap=True)
+    limit = pool.limits(
+        len(tasks), workers, memory * 10**6 if memory else None, timeout=math.inf if timeout is None else timeout
+    )
+    versions = _versions()
+    _batch(tasks, output, versions, pool.outcomes(tasks, output, versions, limit), f"rendering by {limit.workers}")
+
+
+def _part(tasks: list[Task], part: str | None) -> list[Task]:
+    """The tasks A to B, from 1, or the one A, of text "A-B" or "A"."""
+    if part is None:
+        return tasks
+    found = re.fullmatch(r"(\d{1,7})(?:-(\d{1,7}))?", part)
+    first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
+    if not 1 <= first <= last <= len(tasks):
+        message = f'--tasks "{part}": write A-B, from 1-{len(tasks)}: the job has {len(tasks)} tasks'
+        raise InputError(message)
+    return tasks[first - 1 : last]
+
+
+def _batch(
+    tasks: Sequence[Task], output: Path, versions: dict[str, str], outcomes: Generator[Outcome], label: str
+) -> None:
+    """Follow a batch to its end, and say what became of it. RuntimeError if a task failed, or the folder."""
+    from .batch import results
+
+    named = {task.identity(versions): task for task in tasks}
+    found: dict[str, Outcome] = {}
+    try:
+        try:
+            for outcome in _progress(outcomes, label, len(tasks)):
+                found[outcome.name] = outcome
+        finally:  # whatever ended it
+            outcomes.close()
+            results.write(output / results.FILE, named, found)
+    except OSError as error:  # the input was fine
+        raise RuntimeError(str(error)) from error
+    failed = [one for one in found.values() if one.status == "failed"]
+    kept = sum(one.status == "there" for one in found.values())
+    out.print(results.summary(list(found.values())))
     if failed:
-        reasons = Counter(one.reason for one in failed)
-        reason, times = reasons.most_common(1)[0]
-        more = f" ({times} of them; {output / 'results.csv'} has all reasons)" if len(reasons) > 1 else ""
-        message = f"{len(failed)} of {len(tasks)} tasks failed: {reason}{more}"
+        out.print(results.failures(named, failed))
+    left = f", {kept} of them there already" if kept else ""
+    err.print(f"wrote {len(found) - len(failed)} stills to {output}{left}", highlight=False, soft_wrap=True)
+    if failed:
+        message = f"{len(failed)} of {len(tasks)} tasks failed: {failed[0].reason}"
+        if len({one.reason for one in failed}) > 1:
+            message += f"; {output / results.FILE} has all reasons"
         raise RuntimeError(message)
-
-
-def _print_plan(tasks: Sequence[Task]) -> None:
-    """The tasks in words, the first and last of many, and what they add up to."""
-    table = Table("", "task", "samples", "resolution")
-    for index, task in enumerate(tasks, 1):
-        if index <= PLAN_ROWS or index == len(tasks):
-            size = "x".join(map(str, task.resolution)) if task.resolution else "the scene's"
-            table.add_row(str(index), escape(task.label), str(task.samples or "the scene's"), size)
-        elif index == PLAN_ROWS + 1:
-            table.add_row("...")
-    out.print(table)
-    known = [task for task in tasks if task.resolution]
-    pixels = sum(math.prod(task.resolution or ()) for task in known)
-    disk = sum(math.prod(task.resolution or ()) * sum(BYTES[kind] for kind in task.outputs) for task in known)
-    more = "" if len(known) == len(tasks) else f", and {len(tasks) - len(known)} of the size of their scene"
-    out.print(f"{len(tasks)} tasks, {pixels / 1e6:.3g} megapixels, up to {disk / 1e6:.3g} MB{more}", highlight=False)
-
-
-def _write_results(path: Path, tasks: Sequence[Task], outcomes: Sequence[Outcome]) -> None:
-    """A row a task; of one that was there already, the row that it had."""
-    before = {}
-    if path.is_file():
-        with path.open(newline="", encoding="utf-8") as file:
-            before = {row[0]: row for row in csv.reader(file) if row}
-    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file)
-        rows.writerow(["task", "status", "seconds", "render_seconds", "label", "reason"])
-        for task, one in zip(tasks, outcomes, strict=True):
-            now = [one.name, one.status, f"{one.seconds:.3f}", f"{one.render_seconds:.3f}", task.label, one.reason]
-            rows.writerow(before.get(one.name, now) if one.status == "there" else now)
 
 
 @app.command()
@@ -475,7 +484,7 @@ def check(
     from . import check_all
 
     plan = check_all.quick_plan() if quick else check_all.plan()
-    rows = [measure_row(*arguments) for measure_row, arguments in _progress(plan, "measuring")]
+    rows = [measure_row(*arguments) for measure_row, arguments in _progress(plan, "measuring", len(plan))]
     table = Table("estimator", "run as", "Fresnel", "m", "worst", "bar", "resolves", "")
     for row in rows:
         worst, bar = (f"{row.error:.2%}", f"{row.bar:.2%}") if row.is_noisy else (f"{row.error:.1e}", f"{row.bar:.1e}")
@@ -507,9 +516,10 @@ def main() -> None:
 
 def _run(command: Callable[[], Any]) -> int:
     try:
-        return command() or 0
+        code = command() or 0
+        return _fail("interrupted", INTERRUPTED) if code == INTERRUPTED else code  # typer keeps the exception to itself
     except (typer.Abort, KeyboardInterrupt):
-        return _fail("interrupted", 130)
+        return _fail("interrupted", INTERRUPTED)
     except (PresetError, InputError, OSError) as error:
         return _fail(str(error), 2)
     except Exception as error:
@@ -532,12 +542,13 @@ def _fail(text: str, code: int) -> int:
     return code
 
 
-def _progress(items: Sequence[Any], label: str) -> Iterator[Any]:
+def _progress(items: Iterable[Any], label: str, count: int) -> Iterator[Any]:
     """The items, with a progress bar when stderr is a terminal and a plain line now and then otherwise."""
     if not err.is_terminal:
+        step = max(1, min(20, count // 10))
         for index, item in enumerate(items):
-            if index % 20 == 0:
-                err.print(f"{label} {index}/{len(items)}", highlight=False)
+            if index % step == 0:
+                err.print(f"{label} {index}/{count}", highlight=False)
             yield item
         return
     columns = (
@@ -548,7 +559,7 @@ def _progress(items: Sequence[Any], label: str) -> Iterator[Any]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=err) as progress:
-        yield from progress.track(items, description=label)
+        yield from progress.track(items, total=count, description=label)
 
 
 def _with_blender() -> None:
@@ -560,9 +571,7 @@ def _with_blender() -> None:
 def _versions() -> dict[str, str]:
     from importlib.metadata import version
 
-    import bpy
-
-    return {"vgroove": version("vgroove"), "blender": ".".join(map(str, bpy.app.version))}
+    return {"vgroove": version("vgroove"), "blender": version("bpy")}
 
 
 def _preset_json(preset: Preset) -> dict[str, Any]:

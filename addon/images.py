@@ -55,6 +55,20 @@ def save(path: Path, picture: NDArray[np.floating], shown: Scene, attributes: Ma
         write(temporary, picture if path.suffix.lower() == ".exr" else displayed(picture, shown), attributes)
 
 
+def attribute(path: Path, name: str) -> Any:
+    """One of a file's attributes, None where it has none of that name or cannot be read."""
+    import OpenImageIO as oiio  # noqa: N813 - as in write
+
+    file = oiio.ImageInput.open(str(path))
+    if file is None:
+        oiio.geterror()  # else told at the very end of the process
+        return None
+    try:
+        return file.spec().getattribute(name)
+    finally:
+        file.close()
+
+
 def load(path: Path) -> NDArray[np.float32]:
     """``pixels`` of a file."""
     image = bpy.data.images.load(str(path))

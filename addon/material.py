@@ -138,22 +138,25 @@ class Choice:
                 raise MaterialError(refused)
 
 
-def build(preset: Preset, choice: Choice) -> Material:
+def build(preset: Preset, choice: Choice, into: Material | None = None) -> Material:
     """The material of ``preset`` by ``choice``.
 
     Idempotent: if this .blend holds one that was built the same way and not edited since, that one is returned.
     An edited one is left alone and a new one is made beside it.
+
+    into: a material that ``build`` made, which becomes this one; no other is looked for then. Cycles, which never
+    forgets a material while it keeps a scene, sees one that changes.
     """
     if choice.play is not None and preset.time is None:
         message = f"{preset.id} does not change over time; leave play out"
         raise MaterialError(message)
     key, course = _key(preset, choice), _course_key(preset, choice.play)
-    for material in bpy.data.materials:
+    for material in bpy.data.materials if into is None else ():
         if (material.get(KEY), material.get(TIME)) != (key, course) or material.library is not None:
             continue
         if not is_edited(material):
             return material
-    material = _build(preset, choice)
+    material = _build(preset, choice, into)
     material[KEY] = key
     if choice.play is not None:
         material[TIME] = course
@@ -166,10 +169,16 @@ def build(preset: Preset, choice: Choice) -> Material:
     return material
 
 
-def _build(preset: Preset, choice: Choice) -> Material:
+def _build(preset: Preset, choice: Choice, into: Material | None) -> Material:
     """The material as it is at the start of its course."""
     group = _group(preset, choice)  # may refuse: nothing is made before it
-    material = bpy.data.materials.new(f"{preset.name} ({choice.estimator.title()})")
+    name = f"{preset.name} ({choice.estimator.title()})"
+    if into is None:
+        material = bpy.data.materials.new(name)
+    else:
+        stop(into)
+        material, into.name = into, name
+        into.node_tree.animation_data_clear()
     if bpy.app.version < (5, 0, 0):  # 4.5 has no tree until use_nodes is set; 5.x warns when it is. Goes with 4.5 LTS.
         material.use_nodes = True
     tree = material.node_tree

@@ -446,11 +446,13 @@ def assign(
     bound: float,
     play: Play | None = None,
     *,
+    into: dict[str, Material] | None = None,
     where: str = "",
 ) -> list[str]:
     """Give objects, by name, the materials of presets, those that change by ``play``; returns warnings, each once.
 
-    estimator: "auto" picks one for each. SceneError, opened by ``where``, for a name that cannot have a material.
+    estimator: "auto" picks one for each. into: objects' materials of an earlier call, which become those of this one.
+    SceneError, opened by ``where``, for a name that cannot have a material.
     """
     if backend == "osl":
         scene.cycles.shading_system = True
@@ -464,11 +466,27 @@ def assign(
             raise SceneError(message)
         bound_lamps = lamps_to_bind(scene, chosen, preset.model)
         choice = Choice(backend, chosen, bound_lamps, bound=bound, play=play if preset.time else None)
-        if not apply(build(preset, choice), [item]):
+        made = build(preset, choice) if into is None else build(preset, choice, into.get(name))
+        if not apply(made, [item]):
             message = f'{where}"{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise SceneError(message)
+        if into is not None:
+            into[name] = made
         said |= dict.fromkeys(problem.text for problem in problems_with(scene, preset, backend, chosen))
     return list(said)
+
+
+def composites(scene: Scene) -> bool:
+    """Whether the compositor has a say in the scene's picture."""
+    if bpy.app.version < (5, 0, 0):  # goes with 4.5 LTS
+        return bool(scene.render.use_compositing and scene.use_nodes and scene.node_tree)
+    return bool(scene.render.use_compositing and scene.compositing_node_group)
+
+
+def has_strips(scene: Scene) -> bool:
+    """Whether the sequencer has anything to show in place of the scene."""
+    editor = scene.sequence_editor
+    return editor is not None and len(editor.strips) > 0
 
 
 # Stills

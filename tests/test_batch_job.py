@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from vgroove.addon.batch import results
 from vgroove.addon.batch.job import DEFAULTS, JobError, load, parse
 from vgroove.addon.preset_checks import LONGEST_MESSAGE, PresetError
 from vgroove.addon.presets import find
@@ -34,7 +35,7 @@ def test_lists_are_axes_of_a_grid():
     assert [(task.given[0][1].id, task.given[0][1].m, task.seed) for task in found[:3]] == [
         ("lecture/copper", 0.1, 0), ("lecture/copper", 0.1, 1), ("lecture/copper", 0.2, 0)
     ]  # fmt: skip
-    assert found[-1].label == f"{find('gold').id}, set.m 0.3, seed 1"
+    assert found[-1].label == f"{find('gold').id}, m 0.3, seed 1"
     assert len({task.identity(VERSIONS) for task in found}) == 12
 
 
@@ -91,7 +92,9 @@ def test_the_job_of_the_documentation_holds(tmp_path):
     (tmp_path / "hall.blend").write_bytes(b"")
     (job,) = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
     assert len(parse(job, "docs/batch.md", tmp_path)) == 12 + 48 + 8
-    assert set(re.findall(r"^\| `(\w+)", text, flags=re.MULTILINE)) | {"resolution"} == set(DEFAULTS)
+    keys, columns = (text.partition(head)[2].partition("\n\n")[0] for head in ("| key |", "| column |"))
+    assert set(re.findall(r"^\| `(\w+)", keys, flags=re.MULTILINE)) | {"resolution"} == set(DEFAULTS)
+    assert set(re.findall(r"`(\w+)`(?=[^|]*\|[^|]*\|$)", columns, flags=re.MULTILINE)) == set(results.HEAD)
 
 
 def test_an_object_gets_one_preset(tmp_path):
@@ -122,6 +125,8 @@ def test_a_task_is_named_by_all_that_decides_its_pixels_and_nothing_else():
         replace(task, estimator="mirror"),
         replace(task, bound=0.01),
         replace(task, samples=64),
+        replace(task, samples=None, error=0.1),
+        replace(task, samples=None, error=0.05),
         replace(task, seed=1),
         replace(task, resolution=(64, 64)),
     ]
@@ -152,6 +157,7 @@ MALFORMED = [
     *(f'preset = "copper"\nsamples = {value}' for value in WRONG_VALUES),
     *(f'preset = "copper"\nseed = {value}' for value in WRONG_VALUES if value != "0"),
     *(f'preset = "copper"\nbound = {value}' for value in WRONG_VALUES),
+    *(f'preset = "copper"\nerror = {value}' for value in WRONG_VALUES),
     *(f'preset = "copper"\nbackend = {value}' for value in WRONG_VALUES),
     *(f'preset = "copper"\nestimator = {value}' for value in WRONG_VALUES),
     *(f'preset = "copper"\nresolution = {value}' for value in WRONG_VALUES),
@@ -168,6 +174,7 @@ MALFORMED = [
     'preset = "copper"\nassign = {Ball = "gold"}',
     'preset = "copper"\nassign = 1',
     'preset = "copper"\nsample = 16',
+    'preset = "copper"\nsamples = 16\nerror = 0.1',
     'preset = "copper"\nset = 1',
     "",
     "set.m = 0.2",

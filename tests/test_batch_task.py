@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tasks rendered in one Blender that stays open: the same pixels in any order, whole files or none."""
 
+import json
+
 import numpy as np
 import pytest
 
 from vgroove.addon import headless, images, scene
 from vgroove.addon.batch import task as batch_task
 from vgroove.addon.batch.job import parse
+from vgroove.addon.batch.outcome import RECORD
 from vgroove.addon.batch.task import Renderer
+from vgroove.addon.material import KEY
 
 pytestmark = pytest.mark.blender
 
@@ -81,7 +85,7 @@ def test_a_scene_is_opened_once_and_materials_do_not_pile_up(blender, gate, monk
         SMALL + 'scene = "gate.blend"\nobject = "Ball"\npreset = ["copper", "gold"]\nset.m = [0.1, 0.2]', gate
     ):
         rendered(renderer, task)
-        assert sum(batch_task.KEY in one for one in blender.data.materials) == 1
+        assert sum(KEY in one for one in blender.data.materials) == 1
     assert len(opened) == 1
 
 
@@ -111,3 +115,82 @@ def test_what_is_there_is_kept_and_what_is_damaged_is_not(blender, tmp_path):
         assert status == "rendered"
         np.testing.assert_array_equal(again, picture)
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
+def test_halves_make_the_whole_and_tell_its_error(blender, tmp_path):
+    """The whole picture but for float32's rounding of a sum, a unit in the last place a sample; twice the same.
+
+    The error is that of the formula for two pictures, half their difference; a scene that could not be put together
+    from halves is rendered whole, and has none.
+    """
+    shown = scene.preview()
+    drawn = []
+
+    def kept(picture, *arguments, real=batch_task._picture):
+        drawn.append(real(picture, *arguments))
+        return drawn[-1]
+
+    with headless.quiet(), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(batch_task, "_picture", kept)
+        mean = batch_task._of_samples(shown, 9, 3, (24, 16))
+        whole = kept(shown, 9, 3, (24, 16))
+        shown.cycles.use_denoising = True
+        assert np.isnan(batch_task._of_samples(shown, 9, 3, (24, 16)).error)
+    assert len(drawn) == 4
+    np.testing.assert_allclose(mean.picture, whole, rtol=9 * np.finfo(np.float32).eps)
+    first, second = (picture.astype(float) for picture in drawn[:2])
+    assert not np.array_equal(first, second)
+    variance = (first - second) ** 2 * (4 * 5 / 9) / 9
+    assert mean.error == pytest.approx(np.sqrt(variance.mean()) / whole.mean(), rel=1e-5)
+
+
+def test_an_error_is_reached_and_true(blender, tmp_path):
+    """Against a picture of 64 times the samples. Samples spread evenly: the estimate may be above, not below."""
+    renderer = Renderer(tmp_path, VERSIONS)
+    table = 'preset = "copper"\nset.m = 0.6\nestimator = "closure"\nresolution = "32x32"\n'
+    (task,) = tasks(table + "error = 0.1")
+    with headless.quiet():
+        outcome = renderer.render(task)
+        assert renderer.render(task).status == "there"
+    assert outcome.status == "rendered"
+    assert outcome.error <= 0.1
+    assert outcome.samples > 2 * batch_task.FIRST  # it took more than the first look
+    (fine,) = tasks(table + f"seed = 7\nsamples = {64 * outcome.samples}")
+    picture, truth = images.load(tmp_path / f"{outcome.name}.exr"), rendered(renderer, fine)[1]
+    assert np.sqrt(np.mean((picture - truth) ** 2)) / truth.mean() < 0.1 * 1.2
+
+
+@pytest.mark.parametrize("what", ["use_denoising", "use_adaptive_sampling"])
+def test_an_error_that_cannot_be_told_is_refused(blender, gate, what):
+    """Of a scene that denoises or stops pixels early."""
+    setattr(blender.context.scene.cycles, what, True)
+    with headless.quiet():
+        blender.ops.wm.save_mainfile()
+        outcome = Renderer(gate, VERSIONS).attempt(tasks('scene = "gate.blend"\nerror = 0.1', gate)[0])
+    assert outcome.status == "failed"
+    assert "so that its error cannot be told; switch that off in it" in outcome.reason
+
+
+def test_a_picture_says_what_it_shows(blender, tmp_path):
+    """In its metadata: the task, what rendered it and what that took; as EXR and as PNG."""
+    (task,) = tasks(SMALL + 'preset = "copper"\nset.m = 0.25\noutput = ["exr", "png"]')
+    with headless.quiet():
+        outcome = Renderer(tmp_path, VERSIONS).render(task)
+    for ending in ("exr", "png"):
+        record = json.loads(images.attribute(tmp_path / f"{outcome.name}.{ending}", RECORD))
+        assert record["versions"] == VERSIONS
+        assert record["label"] == "lecture/copper"
+        assert record["task"]["materials"][0][-1][-1] == ["m", 0.25]
+        assert record["outcome"]["name"] == outcome.name
+    assert images.attribute(tmp_path / "none.exr", RECORD) is None
+    assert 10**8 < outcome.memory < 10**11
+
+
+def test_passes_that_nothing_uses_are_left_out(blender, gate):
+    """But not where a compositor may use them."""
+    shown = blender.context.scene
+    shown.view_layers[0].use_pass_z = shown.view_layers[0].cycles.use_pass_volume_direct = True
+    batch_task._leave_out_passes(shown)
+    assert not shown.view_layers[0].use_pass_z
+    assert not shown.view_layers[0].cycles.use_pass_volume_direct
+    assert shown.view_layers[0].use_pass_combined

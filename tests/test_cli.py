@@ -372,14 +372,15 @@ def test_a_task_that_fails_does_not_keep_the_rest_from_being_rendered(scene_file
 
 @pytest.mark.blender
 def test_a_still_of_a_batch_is_what_render_makes(tmp_path):
-    """The same pixels."""
+    """The same pixels, but for the rounding of a sum in halves: a unit in the last place of float32 a sample."""
     given = ["--set", "m=0.2", "--samples", "2", "--resolution", "24x16", "--seed", "3"]
     assert vgroove("render", "copper", *given, "-o", tmp_path / "still.exr").returncode == 0
     job = tmp_path / "job.toml"
     job.write_text('[[render]]\npreset = "copper"\nset.m = 0.2\nsamples = 2\nresolution = "24x16"\nseed = 3\n')
     assert vgroove("batch", job, "-o", tmp_path / "out").returncode == 0
     (path,) = (tmp_path / "out").glob("*.exr")
-    np.testing.assert_array_equal(read_exr(path)[0], read_exr(tmp_path / "still.exr")[0])
+    still = read_exr(tmp_path / "still.exr")[0]
+    np.testing.assert_allclose(read_exr(path)[0], still, rtol=2 * np.finfo(np.float32).eps)
 
 
 @pytest.mark.blender
@@ -398,6 +399,6 @@ def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
     with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["label"] for row in rows][:2] == ["lecture/copper, seed 0", "lecture/copper, seed 1"]
-    assert all(row["status"] == "rendered" and float(row["seconds"]) > 0 for row in rows)
+    assert all(row["status"] == "there" and float(row["seconds"]) > 0 for row in rows)
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"results.csv", *(f"{row['task']}.exr" for row in rows)}

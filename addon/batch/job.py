@@ -33,11 +33,13 @@ ESTIMATORS = ("auto", "fit", "closure", "corrected", "hybrid", "mirror", "direct
 OUTPUTS = ("exr", "png")
 MOST_TASKS = 1_000_000
 MOST_PIXELS, MOST_SAMPLES, MOST_SEED = 16384, 2**24, 2**31 - 1  # a side; a pixel
+ERRORS = 1e-4, 1.0  # that can be asked for; a hundredth of one takes ten thousand times as long
 LONGEST_FILE = 1_000_000  # bytes
 # What a table may hold, and what stands for a key that is not there
 DEFAULTS: dict[str, Any] = {
     "scene": PREVIEW, "object": "", "preset": [], "assign": {}, "set": {}, "time": [], "frames": "",
-    "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "samples": [], "seed": 0, "resolution": [],
+    "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "samples": [], "error": [], "seed": 0,
+    "resolution": [],
     "output": "exr",
 }  # fmt: skip
 TOP = ("render",)
@@ -53,6 +55,7 @@ class Task:
 
     given: objects of the scene with the material that each gets, as it is at the task's time.
     samples, resolution: the scene's own where None; a preview has numbers.
+    error: of noise, relative (``mean.Mean.error``), at which the still is done; in place of samples.
     labels: where the task stands in the grid, for people; not part of what it is.
     """
 
@@ -64,6 +67,7 @@ class Task:
     estimator: str
     bound: float
     samples: int | None
+    error: float | None
     seed: int
     resolution: tuple[int, int] | None
     outputs: tuple[str, ...]
@@ -78,7 +82,7 @@ class Task:
             "scene": self.digest or PREVIEW, "materials": materials, "backend": self.backend,
             "frame": self.frame if self.digest else None,  # nothing else moves in the preview scene
             "estimator": self.estimator, "bound": self.bound if self.estimator in {"auto", "hybrid"} else None,
-            "samples": self.samples, "seed": self.seed, "resolution": self.resolution,
+            "samples": self.samples, "error": self.error, "seed": self.seed, "resolution": self.resolution,
         }  # fmt: skip
 
     def identity(self, versions: dict[str, str]) -> str:
@@ -86,10 +90,24 @@ class Task:
         text = json.dumps([self.content(), versions], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
+    @property
+    def place(self) -> tuple[Any, ...]:
+        """What a scene has to be opened anew for: tasks with the same one render soonest after each other."""
+        return self.digest or PREVIEW, self.backend, tuple(sorted(name for name, _ in self.given))
+
     @cached_property
     def label(self) -> str:
         """The task in words."""
         return ", ".join(value if name == "preset" else f"{name} {value}" for name, value in self.labels)
+
+
+def digest_of(path: Path) -> str:
+    """The SHA-256 of a file's content, or of none where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
 
 
 def load(path: Path) -> list[Task]:
@@ -157,6 +175,7 @@ class _Grid:
             "estimator": self.choices("estimator", ESTIMATORS),
             "bound": [self.number("bound", one, *BOUNDS) for one in self.values("bound")],
             "samples": [self.whole("samples", one, 1, MOST_SAMPLES) for one in self.values("samples")] or [None],
+            "error": [self.number("error", one, *ERRORS) for one in self.values("error")] or [None],
             "seed": [self.whole("seed", one, 0, MOST_SEED) for one in self.values("seed")],
             "resolution": [self.size(one) for one in self.values("resolution")] or [None],
         }
@@ -166,7 +185,7 @@ class _Grid:
     def count(self) -> int:
         return math.prod(map(len, self.axes.values()))
 
-    def holds_together(self) -> None:
+    def holds_together(self) -> None:  # noqa: C901 - one condition a line
         """What one key asks of another."""
         shown = [path for path, _ in self.axes["scene"]]
         chosen = [one for one in self.axes["preset"] if one is not None]
@@ -183,6 +202,8 @@ class _Grid:
             message = f'"{self.object}" is the object of preset and in assign too; take one of them out'
         elif self.axes["time"] != [None] and self.frames:
             message = "time shows moments and frames a sequence; give one of them"
+        elif self.axes["samples"] != [None] and self.axes["error"] != [None]:
+            message = "samples says how many, and error how few would do; give one of them"
         elif self.table["set"] and not chosen:
             message = "set changes parameters of preset, which is missing"
         moved = [one for one in [*chosen, *(one for _, one in self.fixed)] if one.time]
@@ -203,11 +224,12 @@ class _Grid:
                 changes = {name[4:]: value for name, value in at.items() if name.startswith("set.")}
                 given.append((self.object or "Ball", self.moved(self.changed(at["preset"], changes), at)))
             if path == PREVIEW:
-                at["samples"], at["resolution"] = at["samples"] or PREVIEW_SAMPLES, at["resolution"] or PREVIEW_SIZE
-            labels = tuple((name, _text(at[name])) for name in varied if at[name] is not None)
+                at["resolution"] = at["resolution"] or PREVIEW_SIZE
+                at["samples"] = at["samples"] or (None if at["error"] else PREVIEW_SAMPLES)
+            labels = tuple((name.removeprefix("set."), _text(at[name])) for name in varied if at[name] is not None)
             yield Task(
                 path, digest, tuple(given), at["frame"], at["backend"], at["estimator"], at["bound"], at["samples"],
-                at["seed"], at["resolution"], self.outputs, labels,
+                at["error"], at["seed"], at["resolution"], self.outputs, labels,
             )  # fmt: skip
 
     def changed(self, preset: Preset, changes: dict[str, Any]) -> Preset:
@@ -246,8 +268,7 @@ class _Grid:
         if path.suffix != ".blend" or not path.is_file():
             message = f'{self.where}: scene "{name}": no such .blend in {self.folder.absolute()}, nor is it "{PREVIEW}"'
             raise JobError(message)
-        with path.open("rb") as file:
-            return str(path), hashlib.file_digest(file, "sha256").hexdigest()
+        return str(path), digest_of(path)
 
     def found(self, key: str, value: Any) -> Preset:
         name = as_typed(self.where, key, value, str)

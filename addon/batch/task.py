@@ -3,61 +3,65 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 import tempfile
+import threading
 import time
-from dataclasses import dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ...nodegroups.osl_script import OslError
 from .. import scene
-from ..images import load, save
-from ..material import KEY, MaterialError
+from ..images import attribute, load, save
+from ..material import MaterialError
 from ..scene import SceneError
-from ..sequence import is_done
-from .job import PREVIEW
+from ..sequence import SEED_STEP, is_done
+from . import memory
+from .job import digest_of
+from .mean import Mean
+from .outcome import RECORD, Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bpy.types import Scene
+    from bpy.types import Material, Scene
 
     from .job import Task
 
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a task. seconds: of all of it, and of Cycles alone; 0 for one that was there already."""
-
-    name: str
-    status: str  # "rendered", "there" or "failed"
-    seconds: float = 0.0
-    render_seconds: float = 0.0
-    reason: str = ""
+FIRST, GROWTH = 16, 4  # samples of a picture towards an error, and how much each may add to all before
+LONGEST = 2**16  # samples at which the way to an error ends
+SPARE = 2**20  # bytes beside a picture below which a disk is full
 
 
 class Renderer:
     """Renders tasks one after another. A scene is opened once as long as tasks want the same one.
 
-    versions: of what renders, part of each task's name.
+    versions: of what renders, part of each task's name. threads: that Cycles may use; 0 for one a core.
     """
 
-    def __init__(self, folder: Path, versions: Mapping[str, str]) -> None:
-        self.folder, self.versions = folder, dict(versions)
+    def __init__(self, folder: Path, versions: Mapping[str, str], threads: int = 0) -> None:
+        self.folder, self.versions, self.threads = folder, dict(versions), threads
+        self.writing = threading.Lock()  # held while files are half written
         self._wanted: object = None  # what the open scene was opened for
         self._own = 0, 0, (0, 0)  # frame, samples and resolution that its file has
+        self._materials: dict[str, Material] = {}  # of the tasks, by object
 
     def attempt(self, task: Task) -> Outcome:
         """``render``, or why it could not be. OSError still ends the work: a full disk fails every task."""
         start = time.perf_counter()
         try:
             return self.render(task)
-        except (SceneError, MaterialError, OslError, RuntimeError) as error:
+        except (SceneError, MaterialError, OslError, RuntimeError, MemoryError) as error:
             self._wanted = None  # whatever state the scene is in now
-            reason = " ".join(str(error).split())
-            return Outcome(task.identity(self.versions), "failed", time.perf_counter() - start, reason=reason)
+            _check_disk(Path(tempfile.gettempdir()))
+            reason = " ".join(str(error).split()) or type(error).__name__
+            # Bad input stays bad; what Blender itself stumbled over may go well another time.
+            status = "stumbled" if isinstance(error, (RuntimeError, MemoryError)) else "failed"
+            return Outcome(task.identity(self.versions), status, time.perf_counter() - start, reason=reason)
 
     def render(self, task: Task) -> Outcome:
         """The task's files in the folder, each whole or not at all; those that are there and whole are kept."""
@@ -65,42 +69,122 @@ class Renderer:
         paths = [self.folder / f"{name}.{ending}" for ending in task.outputs]
         note = f"vgroove {name}"
         if all(is_done(path, note) for path in paths):
-            return Outcome(name, "there")
+            return Outcome(**json.loads(attribute(paths[0], RECORD))["outcome"] | {"status": "there"})
         start = time.perf_counter()
+        memory.reset_peak()
         shown = self._scene(task)
         frame, samples, resolution = self._own
         shown.frame_set(frame if task.frame is None else task.frame)
-        scene.assign(shown, task.given, task.backend, task.estimator, task.bound)
-        _forget_materials()
-        with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
-            picture = Path(folder) / "task.exr"
-            began = time.perf_counter()
-            scene.still(
-                shown,
-                picture,
-                samples=task.samples or samples,
-                seed=task.seed,
-                resolution=task.resolution or resolution,
-            )
-            render_seconds = time.perf_counter() - began
-            pixels = load(picture)
-        for path in paths:
-            save(path, pixels, shown, {"Note": note})
-        return Outcome(name, "rendered", time.perf_counter() - start, render_seconds)
+        scene.assign(shown, task.given, task.backend, task.estimator, task.bound, into=self._materials)
+        began = time.perf_counter()
+        size = task.resolution or resolution
+        if task.error is None:
+            mean = _of_samples(shown, task.samples or samples, task.seed, size)
+        else:
+            mean = _to_error(shown, task.error, task.seed, size)
+        rendered = time.perf_counter()
+        outcome = Outcome(
+            name, "rendered", rendered - start, rendered - began, mean.samples, mean.error, memory.peak()
+        )  # fmt: skip
+        record = {
+            "outcome": asdict(outcome), "label": task.label, "task": task.content(), "versions": self.versions,
+        }  # fmt: skip
+        with self.writing:
+            for path in paths:
+                save(path, mean.picture, shown, {"Note": note, RECORD: json.dumps(record)})
+        return outcome
 
     def _scene(self, task: Task) -> Scene:
         """The task's scene, as its file has it but for the objects that the task gives materials to."""
-        wanted = task.digest or PREVIEW, task.backend, tuple(sorted(name for name, _ in task.given))
+        wanted = task.place
         if wanted != self._wanted:
             self._wanted = None  # nothing, should opening fail
-            shown = scene.opened(Path(task.scene)) if task.digest else scene.preview()
+            shown = _opened(task) if task.digest else scene.preview()
             render = shown.render
             size = (side * render.resolution_percentage // 100 for side in (render.resolution_x, render.resolution_y))
+            _leave_out_passes(shown)
+            render.use_persistent_data = True  # only what changes from task to task is given to Cycles anew
+            render.threads_mode, render.threads = ("FIXED", self.threads) if self.threads else ("AUTO", 1)
             self._wanted, self._own = wanted, (shown.frame_current, shown.cycles.samples, tuple(size))
+            self._materials = {}
         return bpy.context.scene
 
 
-def _forget_materials() -> None:
-    """Remove our materials that no object has any more: those of the task before."""
-    unused = [one for one in bpy.data.materials if KEY in one and one.users == 0]
-    bpy.data.batch_remove(unused)
+def _opened(task: Task) -> Scene:
+    if digest_of(Path(task.scene)) != task.digest:
+        message = f"{task.scene}: has changed since the job was read; give the same command again"
+        raise SceneError(message)
+    return scene.opened(Path(task.scene))
+
+
+def _obstacle(shown: Scene) -> str:
+    """What of a scene keeps the mean of pictures of few samples from being the picture of many; empty if nothing."""
+    cycles, render = shown.cycles, shown.render
+    found = {
+        "denoises": cycles.use_denoising,
+        "stops pixels at a noise threshold": cycles.use_adaptive_sampling,
+        "renders a subset of its samples": cycles.use_sample_subset,
+        "has a compositor": scene.composites(shown),
+        "has strips in its sequencer": render.use_sequencer and scene.has_strips(shown),
+    }
+    return next((what for what, is_so in found.items() if is_so), "")
+
+
+def _of_samples(shown: Scene, samples: int, seed: int, resolution: tuple[int, int]) -> Mean:
+    """A picture of so many samples, in two halves of one sequence, whose difference tells its error.
+
+    Their mean is the whole picture but for rounding. Where there is an ``_obstacle`` it is rendered whole.
+    """
+    mean, cycles = Mean(), shown.cycles
+    if samples == 1 or _obstacle(shown):
+        mean.add(_picture(shown, samples, seed, resolution), samples)
+        return mean
+    cycles.use_sample_subset = True
+    try:
+        for start, end in ((0, samples // 2), (samples // 2, samples)):
+            cycles.sample_offset, cycles.sample_subset_length = start, end - start
+            mean.add(_picture(shown, samples, seed, resolution), end - start)
+    finally:
+        cycles.use_sample_subset = False
+    return mean
+
+
+def _to_error(shown: Scene, error: float, seed: int, resolution: tuple[int, int]) -> Mean:
+    """Pictures of seeds of their own until noise leaves no more than ``error``, or of ``LONGEST`` samples."""
+    if obstacle := _obstacle(shown):
+        message = f'scene "{shown.name}" {obstacle}, so that its error cannot be told; switch that off in it'
+        message += ", or give samples in place of error"
+        raise SceneError(message)
+    mean, number, samples = Mean(), 0, FIRST
+    while number < 2 or (mean.error > error and mean.samples < LONGEST):
+        mean.add(_picture(shown, samples, (seed + number * SEED_STEP) % 2**31, resolution), samples)
+        number += 1
+        if number > 1 and mean.error > error:
+            missing = mean.samples * ((mean.error / error) ** 2 - 1.0)  # the error falls with the root of samples
+            samples = int(min(max(missing, FIRST), GROWTH * mean.samples, LONGEST - mean.samples)) or 1
+    return mean
+
+
+def _picture(shown: Scene, samples: int, seed: int, resolution: tuple[int, int]) -> Any:
+    with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
+        path = Path(folder) / "task.exr"
+        scene.still(shown, path, samples=samples, seed=seed, resolution=resolution)
+        return load(path)
+
+
+def _leave_out_passes(shown: Scene) -> None:
+    """Switch off the passes beside the picture itself, unless the compositor may make something of them."""
+    if scene.composites(shown):
+        return
+    for layer in shown.view_layers:
+        for owner in (layer, layer.cycles):
+            for item in owner.bl_rna.properties:
+                if item.type == "BOOLEAN" and item.identifier.startswith(("use_pass_", "pass_", "denoising_store")):
+                    setattr(owner, item.identifier, item.identifier == "use_pass_combined")
+
+
+def _check_disk(folder: Path) -> None:
+    """OSError where there is no room for a picture, which Blender's own errors do not always say."""
+    if shutil.disk_usage(folder).free < SPARE:
+        message = f"{folder}: the disk is full; make room and give the same command again"
+        raise OSError(message)

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What this process holds in memory, in bytes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import psutil
+
+_PROCESS = Path("/proc/self")
+
+
+def reset_peak() -> None:
+    """Have ``peak`` begin anew, where the system can: on Linux (proc(5), clear_refs)."""
+    if _PROCESS.is_dir():
+        (_PROCESS / "clear_refs").write_text("5", encoding="ascii")
+
+
+def peak() -> int:
+    """The most that was held since ``reset_peak``, or since the process began where that cannot be had."""
+    if _PROCESS.is_dir():
+        status = (_PROCESS / "status").read_text(encoding="ascii")
+        return 1024 * int(status.partition("VmHWM:")[2].split()[0])
+    now = psutil.Process().memory_info()
+    return int(getattr(now, "peak_wset", now.rss))
+
+
+def held() -> int:
+    """What is held now."""
+    return int(psutil.Process().memory_info().rss)

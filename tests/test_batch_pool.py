@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Processes that are killed, stuck, greedy or interrupted: every task once, whole files, the pixels of a quiet run."""
+
+import csv
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+
+from vgroove.addon import headless, images, scene
+from vgroove.addon.batch import child as batch_child
+from vgroove.addon.batch import pool
+from vgroove.addon.batch.job import parse
+from vgroove.addon.batch.task import Renderer
+
+pytestmark = pytest.mark.blender
+
+VERSIONS = {"vgroove": "test"}
+JOB = '[[render]]\nscene = "bare.blend"\n'
+SMALL = JOB + 'samples = 2\nresolution = "24x16"\n'
+STUCK = JOB + "samples = 16777216\n"
+
+
+@pytest.fixture
+def folder(blender, tmp_path):
+    """One with a .blend that opens and renders at once: the preview scene in the dark but for its sun."""
+    with headless.quiet():
+        shown = scene.preview()
+        shown.world = None
+        blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bare.blend"))
+    (tmp_path / "out").mkdir()
+    return tmp_path
+
+
+def limits(**changes):
+    return pool.Limits(**{"workers": 2, "memory": 10**10} | changes)
+
+
+def batch(job, folder, *more, **options):
+    """The command, begun in a session of its own."""
+    (folder / "job.toml").write_text(job, encoding="utf-8")
+    command = [str(Path(sys.executable).parent / "vgroove"), "batch", "job.toml", "-o", "out", "--workers", "2", *more]
+    return subprocess.Popen(
+        command,
+        cwd=folder,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        **options,
+    )
+
+
+def stills(folder):
+    return sorted((folder / "out").glob("*.exr"))
+
+
+def renderers(process):
+    return [one for one in psutil.Process(process.pid).children() if "vgroove.addon.batch.child" in one.cmdline()]
+
+
+def wait_for(condition, seconds=60.0):
+    end = time.monotonic() + seconds
+    while not (found := condition()):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    return found
+
+
+def rows(folder):
+    with (folder / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def check_whole(folder, tasks):
+    """Every task's picture is there as one quiet process renders it, and nothing else."""
+    quiet = folder / "quiet"
+    quiet.mkdir()
+    renderer = Renderer(quiet, {})
+    with headless.quiet():
+        wanted = sorted(images.load(quiet / f"{renderer.render(task).name}.exr").tobytes() for task in tasks)
+    assert sorted(images.load(path).tobytes() for path in stills(folder)) == wanted
+    assert len(set(wanted)) == len(tasks)
+    assert {path.suffix for path in (folder / "out").iterdir()} <= {".exr", ".csv"}
+
+
+def test_twenty_kills_cost_nothing(folder):
+    """kill -9 of any process, also one that is only starting: each task once, the pixels of a quiet run."""
+    tasks = parse(SMALL + f"seed = {list(range(60))}\n", "job", folder)
+    found, kills, draw = [], 0, random.Random(6)  # noqa: S311 - which one is killed
+    for outcome in pool.outcomes(tasks, folder / "out", VERSIONS, limits()):
+        found.append(outcome)
+        if len(found) % 2 and kills < 20:
+            alive = [one for one in psutil.Process().children() if "vgroove.addon.batch.child" in one.cmdline()]
+            if alive:
+                draw.choice(alive).kill()
+                kills += 1
+    assert kills == 20
+    assert {one.status for one in found} == {"rendered"}
+    assert sorted(one.name for one in found) == sorted(task.identity(VERSIONS) for task in tasks)
+    check_whole(folder, tasks)
+
+
+def test_a_task_that_is_stuck_is_set_aside_and_the_rest_goes_on(folder):
+    """After three tries, with the reason."""
+    tasks = parse(STUCK + SMALL + "seed = [0, 1, 2]\n", "job", folder)
+    found = list(pool.outcomes(tasks, folder / "out", VERSIONS, limits(timeout=2.0)))
+    assert sorted(one.status for one in found) == ["failed", "rendered", "rendered", "rendered"]
+    stuck = next(one for one in found if one.status == "failed")
+    assert (stuck.name, stuck.tries) == (tasks[0].identity(VERSIONS), 3)
+    assert stuck.reason == "took longer than 2 s; give more with --timeout"
+    check_whole(folder, tasks[1:])
+
+
+def test_a_process_makes_room_for_a_new_one(folder, monkeypatch):
+    """After so many tasks, or where it holds too much; tasks of one scene go to one process."""
+    begun = []
+
+    class Counted(batch_child.Child):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            begun.append(self.pid)
+
+        def held(self):
+            return 10**9
+
+    monkeypatch.setattr(pool, "Child", Counted)
+    tasks = parse(SMALL + f"seed = {list(range(4))}\n", "job", folder)
+    for change, count in (({"recycle": 2}, 2), ({"memory": 19 * 10**8}, 4), ({}, 1)):
+        (folder / "out").mkdir(exist_ok=True)
+        begun.clear()
+        found = list(pool.outcomes(tasks, folder / "out", VERSIONS, limits(workers=1, **change)))
+        assert {one.status for one in found} == {"rendered"}
+        assert len(begun) == count
+        shutil.rmtree(folder / "out")
+
+
+def test_what_a_process_may_hold_is_watched(folder):
+    """It is ended before the machine has no memory left, and the task says so."""
+    tasks = parse(STUCK, "job", folder)
+    (found,) = pool.outcomes(tasks, folder / "out", VERSIONS, limits(memory=10**8))
+    assert found.status == "failed"
+    assert "took more memory than 100 MB; give more with --memory or fewer --workers" in found.reason
+
+
+def test_a_full_disk_ends_the_work(folder):
+    """As does anything else that keeps files from being written: one line, exit 3, nothing half written."""
+    process = batch(SMALL + f"seed = {list(range(300))}\n", folder)
+    wait_for(lambda: stills(folder))
+    shutil.rmtree(folder / "out")
+    (folder / "out").touch()
+    errors = process.communicate(timeout=60)[1].splitlines()
+    assert process.returncode == 3
+    assert sum(line.startswith("vgroove: ") for line in errors) == 1
+
+
+def test_what_a_killed_batch_left_is_finished(folder):
+    """Kill -9 of the parent: its processes end too, and the same command renders the rest only."""
+    job = SMALL + f"seed = {list(range(40))}\n"
+    process = batch(job, folder)
+    children = wait_for(lambda: renderers(process))
+    wait_for(lambda: len(stills(folder)) >= 5)
+    process.kill()
+    process.communicate()
+    assert not psutil.wait_procs(children, timeout=10)[1]
+    before = {path: path.stat().st_mtime_ns for path in stills(folder)}
+    assert 5 <= len(before) < 40
+    again = batch(job, folder)
+    errors = again.communicate(timeout=120)[1]
+    assert again.returncode == 0, errors
+    assert f"{len(before)} of them there already" in errors
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert sum(row["status"] == "there" and float(row["seconds"]) > 0.0 for row in rows(folder)) == len(before)
+    check_whole(folder, parse(job, "job", folder))
+
+
+def test_ctrl_c_stops_cleanly(folder):
+    """Exit 130, one line, no process left, a table of what was done, and the same command goes on."""
+    job = SMALL + f"seed = {list(range(200))}\n"
+    process = batch(job, folder)
+    children = wait_for(lambda: renderers(process))
+    wait_for(lambda: len(stills(folder)) >= 5)
+    os.killpg(process.pid, signal.SIGINT)
+    errors = process.communicate(timeout=20)[1].splitlines()
+    assert process.returncode == 130
+    assert errors[-1] == "vgroove: interrupted", errors
+    assert not any("Traceback" in line for line in errors)
+    assert not psutil.wait_procs(children, timeout=10)[1]
+    done = [row for row in rows(folder) if row["status"] == "rendered"]
+    assert {row["status"] for row in rows(folder)} == {"rendered", "left"}
+    assert 5 <= len(done) <= len(stills(folder)) < 200
+    assert not list((folder / "out").glob(".*"))
+
+
+def test_two_batches_in_one_folder_do_not_harm_each_other(folder):
+    """At once, each to the end."""
+    job = SMALL + f"seed = {list(range(20))}\n"
+    for process in [batch(job, folder), batch(job, folder)]:
+        errors = process.communicate(timeout=120)[1]
+        assert process.returncode == 0, errors
+    assert len(rows(folder)) == 20
+    check_whole(folder, parse(job, "job", folder))
+
+
+def test_a_scene_that_changed_meanwhile_is_not_taken_for_the_one_that_was_named(folder):
+    tasks = parse(SMALL, "job", folder)
+    with (folder / "bare.blend").open("ab") as file:
+        file.write(b"\0")
+    (found,) = pool.outcomes(tasks, folder / "out", VERSIONS, limits())
+    assert (found.status, found.tries) == ("failed", 1)
+    assert "has changed since the job was read" in found.reason
+
+
+def test_what_old_processes_left_half_written_is_swept(tmp_path):
+    """But not what someone may still write, nor files of others."""
+    old, new, other = (tmp_path / name for name in (f".{'a' * 32}.77.exr", f".{'b' * 32}.78.exr", ".notes.77.txt"))
+    for path in (old, new, other):
+        path.touch()
+    for path in (old, other):
+        os.utime(path, (1e9, 1e9))
+    batch_child.sweep(tmp_path)
+    assert sorted(tmp_path.iterdir()) == sorted([new, other])
+    batch_child.sweep(tmp_path, 78)
+    assert list(tmp_path.iterdir()) == [other]
+
+
+def test_the_machine_decides_what_is_not_given():
+    """As many processes as cores and memory allow and tasks need."""
+    free = psutil.virtual_memory().available
+    assert pool.limits(1).workers == 1
+    assert 1 <= pool.limits(1000).workers <= pool.cores()
+    assert pool.limits(1000, memory=int(free * 0.7)).workers == 1
+    given = pool.limits(1000, workers=7)
+    assert (given.workers, given.threads) == (7, max(1, pool.cores() // 7))
+    np.testing.assert_allclose(given.memory, free / 7, rtol=0.5)
