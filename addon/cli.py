@@ -408,40 +408,58 @@ def batch(
         int | None,
         typer.Option(min=256, metavar="MB", help="That a process may take; by default a share of what is free"),
     ] = None,
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler, whose workers render: tcp://farm:8786")
+    ] = None,
+    openjd_file: Annotated[
+        Path | None,
+        typer.Option("--openjd", metavar="FILE", help="Write an Open Job Description template, and render nothing"),
+    ] = None,
 ) -> None:
     """Render every task of a job file, each to a file of its own name; what is there and whole is kept."""
-    from .batch import job, results
+    from .batch import job, openjd, results
 
-    tasks = _part(job.load(file), part)
+    first, tasks = _part(job.load(file), part)
+    if openjd_file is not None:
+        openjd.write(openjd_file, file, output, tasks, first)
+        err.print(f"wrote {openjd_file}, a template of {len(tasks)} tasks", highlight=False, soft_wrap=True)
+        return
     if dry_run:
         out.print(results.plan(tasks))
         out.print(results.demand(tasks), highlight=False)
         return
-    output.mkdir(parents=True, exist_ok=True)
-    check_writable(output / results.FILE)
     from .batch import pool
 
     limit = pool.limits(
         len(tasks), workers, memory * 10**6 if memory else None, timeout=math.inf if timeout is None else timeout
     )
-    versions = _versions()
-    _batch(tasks, output, versions, pool.outcomes(tasks, output, versions, limit), f"rendering by {limit.workers}")
+    versions, output = _versions(), output.absolute()  # other machines have other current folders
+    if cluster is None:
+        outcomes, label = pool.outcomes(tasks, output, versions, limit), f"rendering by {limit.workers}"
+    else:
+        from .batch import cluster as dask
+
+        outcomes, label = dask.outcomes(tasks, output, versions, limit, cluster), f"rendering by {cluster}"
+    output.mkdir(parents=True, exist_ok=True)
+    table = output / (results.FILE if part is None else f"results-{part}.csv")  # parts may be done at once
+    check_writable(table)
+    _batch(tasks, table, versions, outcomes, label)
 
 
-def _part(tasks: list[Task], part: str | None) -> list[Task]:
-    """The tasks A to B, from 1, or the one A, of text "A-B" or "A"."""
+def _part(tasks: list[Task], part: str | None) -> tuple[int, list[Task]]:
+    """The tasks A to B, from 1, or the one A, of text "A-B" or "A"; the number of the first, and they."""
     if part is None:
-        return tasks
+        return 1, tasks
     found = re.fullmatch(r"(\d{1,7})(?:-(\d{1,7}))?", part)
     first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
     if not 1 <= first <= last <= len(tasks):
         message = f'--tasks "{part}": write A-B, from 1-{len(tasks)}: the job has {len(tasks)} tasks'
         raise InputError(message)
-    return tasks[first - 1 : last]
+    return first, tasks[first - 1 : last]
 
 
 def _batch(
-    tasks: Sequence[Task], output: Path, versions: dict[str, str], outcomes: Generator[Outcome], label: str
+    tasks: Sequence[Task], table: Path, versions: dict[str, str], outcomes: Generator[Outcome], label: str
 ) -> None:
     """Follow a batch to its end, and say what became of it. RuntimeError if a task failed, or the folder."""
     from .batch import results
@@ -454,7 +472,7 @@ def _batch(
                 found[outcome.name] = outcome
         finally:  # whatever ended it
             outcomes.close()
-            results.write(output / results.FILE, named, found)
+            results.write(table, named, found)
     except OSError as error:  # the input was fine
         raise RuntimeError(str(error)) from error
     failed = [one for one in found.values() if one.status == "failed"]
@@ -463,12 +481,38 @@ def _batch(
     if failed:
         out.print(results.failures(named, failed))
     left = f", {kept} of them there already" if kept else ""
-    err.print(f"wrote {len(found) - len(failed)} stills to {output}{left}", highlight=False, soft_wrap=True)
+    err.print(f"wrote {len(found) - len(failed)} stills to {table.parent}{left}", highlight=False, soft_wrap=True)
     if failed:
         message = f"{len(failed)} of {len(tasks)} tasks failed: {failed[0].reason}"
         if len({one.reason for one in failed}) > 1:
-            message += f"; {output / results.FILE} has all reasons"
+            message += f"; {table} has all reasons"
         raise RuntimeError(message)
+
+
+@app.command()
+def gallery(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Of stills that `batch` rendered")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="If not gallery.html in the folder")
+    ] = None,
+) -> None:
+    """Make a page of a folder of stills: thumbnails, what each shows, and a filter."""
+    if not folder.is_dir():
+        message = f"{folder}: no such folder; name one that `vgroove batch` rendered to"
+        raise InputError(message)
+    _with_blender()
+    from . import headless
+    from .batch import gallery as page
+
+    path = output or folder / page.FILE
+    check_writable(path)
+    found = page.stills(folder)
+    if not found:
+        message = f"{folder}: holds no stills of `vgroove batch`"
+        raise InputError(message)
+    with headless.quiet():
+        page.write_page(path, folder, _progress(found, "drawing", len(found)), len(found))
+    err.print(f"wrote {path} of {len(found)} stills", highlight=False, soft_wrap=True)
 
 
 @app.command()
@@ -526,6 +570,7 @@ def _run(command: Callable[[], Any]) -> int:
         if hasattr(error, "format_message"):  # a usage error of the parser
             return _fail(error.format_message(), 2)
         if type(error).__name__ in {
+            "ClusterError",
             "MaterialError",
             "AnimationError",
             "SceneError",

@@ -28,7 +28,7 @@ def pixels(image: Image) -> NDArray[np.float32]:
 
 
 def write(path: Path, picture: NDArray[np.floating], attributes: Mapping[str, Any]) -> None:
-    """(H, W, 3) as float32 EXR, or where the name ends in .png as 8 bits of what is from 0 to 1, with attributes.
+    """(H, W, 3) as float32 EXR, or of another ending (PNG, WebP) as 8 bits of what is from 0 to 1, with attributes.
 
     OSError where that fails.
     """
@@ -76,6 +76,24 @@ def load(path: Path) -> NDArray[np.float32]:
         return pixels(image)
     finally:
         bpy.data.images.remove(image)
+
+
+def tile(path: Path, width: int) -> NDArray[np.float32]:
+    """A file's picture as it looks, (H, width, 3) in sRGB; what is linear is taken through sRGB's own curve."""
+    image = bpy.data.images.load(str(path))
+    try:
+        before, height = image.size
+        image.scale(width, max(1, round(height * width / before)))
+        found = pixels(image)
+    finally:
+        bpy.data.images.remove(image)
+    return srgb(found) if path.suffix.lower() == ".exr" else found
+
+
+def srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
+    """IEC 61966-2-1."""
+    c = np.clip(linear, 0.0, 1.0)
+    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1.0 / 2.4) - 0.055)
 
 
 def displayed(picture: NDArray[np.float32], shown: Scene) -> NDArray[np.float32]:

@@ -20,7 +20,7 @@ import numpy as np
 
 from . import scene
 from .files import check_writable, replacing
-from .images import load, pixels, save, write
+from .images import load, save, tile, write
 from .scene import SceneError
 
 if TYPE_CHECKING:
@@ -103,29 +103,11 @@ def exposed(
 def strip(paths: Sequence[Path], labels: Sequence[str], output: Path) -> None:
     """A PNG of up to ``MOST_TILES`` of the pictures side by side, evenly chosen, the first and last among them."""
     chosen = np.unique(np.linspace(0, len(paths) - 1, min(len(paths), MOST_TILES)).round().astype(int))
-    tiles = [np.concatenate([_tile(paths[k]), _label(labels[k])]) for k in chosen]
+    tiles = [np.concatenate([tile(paths[k], TILE_WIDTH), _label(labels[k])]) for k in chosen]
     gap = np.full((tiles[0].shape[0], GAP, 3), PAPER, np.float32)
     parts = [part for tile in tiles for part in (gap, tile)][1:]
     with replacing(output) as temporary:
         write(temporary, np.concatenate(parts, axis=1), {})
-
-
-def _tile(path: Path) -> NDArray[np.float32]:
-    """A picture as it looks, (H, W, 3) in sRGB, TILE_WIDTH wide."""
-    image = bpy.data.images.load(str(path))
-    try:
-        width, height = image.size
-        image.scale(TILE_WIDTH, max(1, round(height * TILE_WIDTH / width)))
-        found = pixels(image)
-    finally:
-        bpy.data.images.remove(image)
-    return found if path.suffix.lower() == ".png" else _srgb(found)
-
-
-def _srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
-    """IEC 61966-2-1."""
-    c = np.clip(linear, 0.0, 1.0)
-    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1.0 / 2.4) - 0.055)
 
 
 def _label(text: str) -> NDArray[np.float32]:

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender is prepared before anything imports it; each Blender test starts from an empty file."""
 
+import contextlib
+
 import numpy as np
+import psutil
 import pytest
 
 from vgroove.addon import headless
@@ -10,7 +13,8 @@ headless.prepare()
 
 import bpy  # noqa: E402 - prepare() must come first
 
-from vgroove.addon import gonio, scene  # noqa: E402
+from vgroove.addon import gonio, images, scene  # noqa: E402
+from vgroove.addon.batch.task import Renderer  # noqa: E402
 
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 
@@ -83,3 +87,46 @@ def balls(blender):
         return tiles.reshape(side * side, PIXELS, PIXELS, 3)[: len(made), within]
 
     return render
+
+
+@pytest.fixture
+def bare_scene(blender, tmp_path):
+    """A folder with bare.blend, which opens and renders at once: the preview scene in the dark but for its sun."""
+    with headless.quiet():
+        shown = scene.preview()
+        shown.world = None
+        blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bare.blend"))
+    return tmp_path
+
+
+@pytest.fixture
+def same_as_quiet(blender, tmp_path):
+    """A function that checks that pictures are those of tasks as one process renders them that nobody disturbs."""
+
+    def check(pictures, tasks):
+        renderer = Renderer(tmp_path / "quiet", {})
+        renderer.folder.mkdir()
+        with headless.quiet():
+            paths = [renderer.folder / f"{renderer.render(task).name}.exr" for task in tasks]
+        wanted, found = (sorted(images.load(path).tobytes() for path in of) for of in (paths, pictures))
+        assert len(set(wanted)) == len(tasks)
+        assert found == wanted
+
+    return check
+
+
+@pytest.fixture
+def family():
+    """A function that lists the processes below one that have a word in their command lines."""
+
+    def find(pid, word=""):
+        found = []
+        try:
+            for one in psutil.Process(pid).children(recursive=True):
+                with contextlib.suppress(psutil.Error):  # it ended meanwhile
+                    found += [one] * (word in " ".join(one.cmdline()))
+        except psutil.NoSuchProcess:
+            pass
+        return found
+
+    return find

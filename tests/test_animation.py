@@ -341,7 +341,7 @@ def test_an_exposed_frame_sees_what_happens_within_it(flash, tmp_path, shutter, 
     expected = {0.0: 1.0, 0.5: 0.5, 1.0: 0.25}[shutter]
     image = images.load(path)
     if ending == "png":
-        np.testing.assert_allclose(image, sequence._srgb(np.float32(expected)), atol=0.5 / 255 + 1e-4)
+        np.testing.assert_allclose(image, images.srgb(np.float32(expected)), atol=0.5 / 255 + 1e-4)
     else:
         np.testing.assert_allclose(image, expected, rtol=1e-5)
 

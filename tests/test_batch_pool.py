@@ -15,36 +15,31 @@ import numpy as np
 import psutil
 import pytest
 
-from vgroove.addon import headless, images, scene
 from vgroove.addon.batch import child as batch_child
 from vgroove.addon.batch import pool
 from vgroove.addon.batch.job import parse
-from vgroove.addon.batch.task import Renderer
 
 pytestmark = pytest.mark.blender
 
 VERSIONS = {"vgroove": "test"}
+RENDERER = "vgroove.addon.batch.child"  # in a process's command line
 JOB = '[[render]]\nscene = "bare.blend"\n'
 SMALL = JOB + 'samples = 2\nresolution = "24x16"\n'
 STUCK = JOB + "samples = 16777216\n"
 
 
 @pytest.fixture
-def folder(blender, tmp_path):
-    """One with a .blend that opens and renders at once: the preview scene in the dark but for its sun."""
-    with headless.quiet():
-        shown = scene.preview()
-        shown.world = None
-        blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bare.blend"))
-    (tmp_path / "out").mkdir()
-    return tmp_path
+def folder(bare_scene):
+    """One with bare.blend and an empty folder "out"."""
+    (bare_scene / "out").mkdir()
+    return bare_scene
 
 
 def limits(**changes):
     return pool.Limits(**{"workers": 2, "memory": 10**10} | changes)
 
 
-def batch(job, folder, *more, **options):
+def batch(job, folder, *more):
     """The command, begun in a session of its own."""
     (folder / "job.toml").write_text(job, encoding="utf-8")
     command = [str(Path(sys.executable).parent / "vgroove"), "batch", "job.toml", "-o", "out", "--workers", "2", *more]
@@ -55,16 +50,12 @@ def batch(job, folder, *more, **options):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         start_new_session=True,
-        **options,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509 - which shells ignore behind an &
     )
 
 
 def stills(folder):
     return sorted((folder / "out").glob("*.exr"))
-
-
-def renderers(process):
-    return [one for one in psutil.Process(process.pid).children() if "vgroove.addon.batch.child" in one.cmdline()]
 
 
 def wait_for(condition, seconds=60.0):
@@ -80,36 +71,28 @@ def rows(folder):
         return list(csv.DictReader(file))
 
 
-def check_whole(folder, tasks):
+def check_whole(folder, same_as_quiet, tasks):
     """Every task's picture is there as one quiet process renders it, and nothing else."""
-    quiet = folder / "quiet"
-    quiet.mkdir()
-    renderer = Renderer(quiet, {})
-    with headless.quiet():
-        wanted = sorted(images.load(quiet / f"{renderer.render(task).name}.exr").tobytes() for task in tasks)
-    assert sorted(images.load(path).tobytes() for path in stills(folder)) == wanted
-    assert len(set(wanted)) == len(tasks)
+    same_as_quiet(stills(folder), tasks)
     assert {path.suffix for path in (folder / "out").iterdir()} <= {".exr", ".csv"}
 
 
-def test_twenty_kills_cost_nothing(folder):
+def test_twenty_kills_cost_nothing(folder, same_as_quiet, family):
     """kill -9 of any process, also one that is only starting: each task once, the pixels of a quiet run."""
     tasks = parse(SMALL + f"seed = {list(range(60))}\n", "job", folder)
     found, kills, draw = [], 0, random.Random(6)  # noqa: S311 - which one is killed
     for outcome in pool.outcomes(tasks, folder / "out", VERSIONS, limits()):
         found.append(outcome)
-        if len(found) % 2 and kills < 20:
-            alive = [one for one in psutil.Process().children() if "vgroove.addon.batch.child" in one.cmdline()]
-            if alive:
-                draw.choice(alive).kill()
-                kills += 1
+        if len(found) % 2 and kills < 20 and (alive := family(os.getpid(), RENDERER)):
+            draw.choice(alive).kill()
+            kills += 1
     assert kills == 20
     assert {one.status for one in found} == {"rendered"}
     assert sorted(one.name for one in found) == sorted(task.identity(VERSIONS) for task in tasks)
-    check_whole(folder, tasks)
+    check_whole(folder, same_as_quiet, tasks)
 
 
-def test_a_task_that_is_stuck_is_set_aside_and_the_rest_goes_on(folder):
+def test_a_task_that_is_stuck_is_set_aside_and_the_rest_goes_on(folder, same_as_quiet):
     """After three tries, with the reason."""
     tasks = parse(STUCK + SMALL + "seed = [0, 1, 2]\n", "job", folder)
     found = list(pool.outcomes(tasks, folder / "out", VERSIONS, limits(timeout=2.0)))
@@ -117,7 +100,7 @@ def test_a_task_that_is_stuck_is_set_aside_and_the_rest_goes_on(folder):
     stuck = next(one for one in found if one.status == "failed")
     assert (stuck.name, stuck.tries) == (tasks[0].identity(VERSIONS), 3)
     assert stuck.reason == "took longer than 2 s; give more with --timeout"
-    check_whole(folder, tasks[1:])
+    check_whole(folder, same_as_quiet, tasks[1:])
 
 
 def test_a_process_makes_room_for_a_new_one(folder, monkeypatch):
@@ -162,11 +145,11 @@ def test_a_full_disk_ends_the_work(folder):
     assert sum(line.startswith("vgroove: ") for line in errors) == 1
 
 
-def test_what_a_killed_batch_left_is_finished(folder):
+def test_what_a_killed_batch_left_is_finished(folder, same_as_quiet, family):
     """Kill -9 of the parent: its processes end too, and the same command renders the rest only."""
     job = SMALL + f"seed = {list(range(40))}\n"
     process = batch(job, folder)
-    children = wait_for(lambda: renderers(process))
+    children = wait_for(lambda: family(process.pid, RENDERER))
     wait_for(lambda: len(stills(folder)) >= 5)
     process.kill()
     process.communicate()
@@ -179,14 +162,14 @@ def test_what_a_killed_batch_left_is_finished(folder):
     assert f"{len(before)} of them there already" in errors
     assert {path: path.stat().st_mtime_ns for path in before} == before
     assert sum(row["status"] == "there" and float(row["seconds"]) > 0.0 for row in rows(folder)) == len(before)
-    check_whole(folder, parse(job, "job", folder))
+    check_whole(folder, same_as_quiet, parse(job, "job", folder))
 
 
-def test_ctrl_c_stops_cleanly(folder):
+def test_ctrl_c_stops_cleanly(folder, family):
     """Exit 130, one line, no process left, a table of what was done, and the same command goes on."""
     job = SMALL + f"seed = {list(range(200))}\n"
     process = batch(job, folder)
-    children = wait_for(lambda: renderers(process))
+    children = wait_for(lambda: family(process.pid, RENDERER))
     wait_for(lambda: len(stills(folder)) >= 5)
     os.killpg(process.pid, signal.SIGINT)
     errors = process.communicate(timeout=20)[1].splitlines()
@@ -200,14 +183,14 @@ def test_ctrl_c_stops_cleanly(folder):
     assert not list((folder / "out").glob(".*"))
 
 
-def test_two_batches_in_one_folder_do_not_harm_each_other(folder):
+def test_two_batches_in_one_folder_do_not_harm_each_other(folder, same_as_quiet):
     """At once, each to the end."""
     job = SMALL + f"seed = {list(range(20))}\n"
     for process in [batch(job, folder), batch(job, folder)]:
         errors = process.communicate(timeout=120)[1]
         assert process.returncode == 0, errors
     assert len(rows(folder)) == 20
-    check_whole(folder, parse(job, "job", folder))
+    check_whole(folder, same_as_quiet, parse(job, "job", folder))
 
 
 def test_a_scene_that_changed_meanwhile_is_not_taken_for_the_one_that_was_named(folder):

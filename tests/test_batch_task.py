@@ -179,7 +179,7 @@ def test_a_picture_says_what_it_shows(blender, tmp_path):
     for ending in ("exr", "png"):
         record = json.loads(images.attribute(tmp_path / f"{outcome.name}.{ending}", RECORD))
         assert record["versions"] == VERSIONS
-        assert record["label"] == "lecture/copper"
+        assert record["labels"] == {"preset": "lecture/copper"}
         assert record["task"]["materials"][0][-1][-1] == ["m", 0.25]
         assert record["outcome"]["name"] == outcome.name
     assert images.attribute(tmp_path / "none.exr", RECORD) is None

@@ -63,6 +63,8 @@ def test_presets_as_json_hold_the_contract():
         (["render", "rusting_iron", "-o", "a.png", "--strip", "s.png"], "--strip s.png: goes with --frames"),
         (["render", "rusting_iron", "-o", "a.png", "--shutter", "0.5"], "--shutter 0.5: goes with --frames"),
         (["batch", "none.toml", "-o", "out"], "none.toml: cannot be read"),
+        (["gallery", "none"], "none: no such folder; name one that `vgroove batch` rendered to"),
+        (["gallery", "."], ".: holds no stills of `vgroove batch`"),
         (
             ["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--strip", "s.exr"],
             "a strip is a PNG",
@@ -400,5 +402,15 @@ def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["label"] for row in rows][:2] == ["lecture/copper, seed 0", "lecture/copper, seed 1"]
     assert all(row["status"] == "there" and float(row["seconds"]) > 0 for row in rows)
+    part = vgroove("batch", job, "-o", tmp_path / "part", "--tasks", "2-3", "--workers", 1)
+    assert "wrote 2 stills" in part.stderr
+    made = {path.name for path in (tmp_path / "part").iterdir()}
+    assert made == {"results-2-3.csv", *(f"{row['task']}.exr" for row in rows[1:3])}
+    beyond = vgroove("batch", job, "-o", tmp_path / "part", "--tasks", "2-5")
+    assert beyond.returncode == 2
+    assert '--tasks "2-5": write A-B, from 1-4: the job has 4 tasks' in beyond.stderr
+    page = vgroove("gallery", tmp_path / "out", "-o", tmp_path / "page.html")
+    assert page.returncode == 0, page.stderr
+    assert (tmp_path / "page.html").read_text(encoding="utf-8").count("<article") == 4
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"results.csv", *(f"{row['task']}.exr" for row in rows)}

@@ -46,6 +46,10 @@ class Limits:
         """Of each process, so that all together keep every core busy."""
         return max(1, cores() // self.workers)
 
+    def is_used_up(self, child: Child) -> bool:
+        """Whether a process makes room for a new one."""
+        return child.rendered >= self.recycle or child.held() > self.memory / 2
+
 
 def cores() -> int:
     """Those that this process may use."""
@@ -119,7 +123,7 @@ class _Pool:
         child: Child | None = None
         try:
             while (task := self._take()) is not None:
-                if child is not None and self._is_used_up(child):
+                if child is not None and self.limit.is_used_up(child):
                     self._end(child)
                     child = None
                 try:
@@ -187,6 +191,3 @@ class _Pool:
         with self._lock:
             self._children.discard(child)
         child.close()
-
-    def _is_used_up(self, child: Child) -> bool:
-        return child.rendered >= self.limit.recycle or child.held() > self.limit.memory / 2

@@ -87,7 +87,7 @@ class Renderer:
             name, "rendered", rendered - start, rendered - began, mean.samples, mean.error, memory.peak()
         )  # fmt: skip
         record = {
-            "outcome": asdict(outcome), "label": task.label, "task": task.content(), "versions": self.versions,
+            "outcome": asdict(outcome), "labels": dict(task.labels), "task": task.content(), "versions": self.versions,
         }  # fmt: skip
         with self.writing:
             for path in paths:

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tasks rendered by the workers of a Dask cluster (``pip install .[cluster]``), which share folders with this machine.
+
+Each worker has its renders done by a ``Child``, which ends with it. One thread a worker is enough: a second would wait.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import Counter
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+from .child import Child, ChildLostError, sweep
+from .outcome import Outcome
+from .pool import Limits, Tries
+
+if TYPE_CHECKING:
+    from collections.abc import Generator, Mapping, Sequence
+    from pathlib import Path
+
+    from .job import Task
+
+PATIENCE = 10  # seconds for a scheduler to answer
+
+
+class ClusterError(ValueError):
+    """A cluster that cannot be used, in one line: what, where, how to mend it."""
+
+
+def outcomes(
+    tasks: Sequence[Task], folder: Path, versions: Mapping[str, str], limit: Limits, address: str
+) -> Generator[Outcome]:
+    """As ``pool.outcomes``, by the workers that the scheduler at ``address`` has and gets; those of limit do not count.
+
+    ClusterError if it cannot be reached; RuntimeError if it is lost.
+    """
+    try:
+        import distributed
+    except ImportError as error:
+        message = "--cluster needs Dask, which is not installed; pip install vgroove[cluster]"
+        raise ClusterError(message) from error
+    for logger in ("distributed", "distributed.client"):  # we say in one line what they say in forty
+        logging.getLogger(logger).setLevel(logging.CRITICAL)
+    try:
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, ImportError) as error:
+        message = f"{address}: no Dask scheduler answers there ({' '.join(str(error).split())}); "
+        message += "start one by `dask scheduler` and give its address, as in tcp://farm:8786"
+        raise ClusterError(message) from error
+    return _followed(client, tasks, folder, dict(versions), limit)
+
+
+def _followed(
+    client: Any, tasks: Sequence[Task], folder: Path, versions: dict[str, str], limit: Limits
+) -> Generator[Outcome]:
+    from distributed import CancelledError, KilledWorker, as_completed
+    from distributed.comm import CommClosedError
+
+    sweep(folder)
+    address, tries = client.scheduler.address, Tries()
+    neighbours = Counter(str(urlsplit(one).hostname) for one in client.scheduler_info(n_workers=-1)["workers"])
+    named = {task.identity(versions): task for task in sorted(tasks, key=lambda task: task.place)}  # scenes together
+
+    def submitted(name: str) -> Any:
+        arguments = named[name], folder, versions, limit, dict(neighbours)
+        return client.submit(render_on_worker, *arguments, pure=False)
+
+    try:
+        futures = {submitted(name): name for name in named}
+        waiting = as_completed(list(futures), loop=client.loop)
+        for future in waiting:
+            name = futures.pop(future)
+            try:
+                found = future.result()
+            except KilledWorker:
+                found = Outcome(name, "stumbled", reason="its worker was killed")
+            outcome = tries.settled(found)
+            if outcome is not None:
+                yield outcome
+            else:
+                again = submitted(name)
+                futures[again] = name
+                waiting.add(again)
+    except Exception as error:
+        if client.status == "running" and not isinstance(error, (CancelledError, CommClosedError)):
+            raise
+        message = f"{address}: the Dask scheduler is gone; start it and its workers, and give the same command again"
+        raise RuntimeError(message) from error
+    finally:
+        client.close()
+
+
+# On a worker
+
+_LOCK = threading.Lock()
+_children: dict[Any, Child] = {}  # at most one, by what it was begun for
+
+
+def render_on_worker(
+    task: Task, folder: Path, versions: dict[str, str], limit: Limits, neighbours: dict[str, int]
+) -> Outcome:
+    """The outcome of a task; "stumbled" if its process was lost. neighbours: workers of each host."""
+    from distributed import get_worker
+
+    if not folder.is_dir():
+        message = f"{folder}: there is no such folder on {get_worker().address}; use one that all machines share"
+        raise FileNotFoundError(message)
+    host = str(urlsplit(get_worker().address).hostname)
+    limit = replace(limit, workers=max(1, neighbours.get(host, 1)))
+    with _LOCK:
+        kind = folder, tuple(sorted(versions.items()))
+        child = _children.pop(kind, None)
+        for other in _children.values():
+            other.close()
+        _children.clear()
+        if child is not None and limit.is_used_up(child):
+            child.close()
+            child = None
+        try:
+            child = child or Child(folder, versions, limit.threads)
+            found = child.run(task, limit.timeout, limit.memory)
+        except ChildLostError as error:
+            if child is not None:
+                child.close()
+            return Outcome(task.identity(versions), "stumbled", reason=str(error))
+        _children[kind] = child
+        return found

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A folder of stills as one page: thumbnails, what each shows, and a filter. Needs no server and no network."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import tempfile
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import jinja2
+
+from ..files import replacing
+from ..images import attribute, tile, write
+from .outcome import RECORD
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+FILE = "gallery.html"
+WIDTH = 192  # of a thumbnail, pixels
+ENDINGS = (".png", ".exr")  # the first that there is shows what a still looks like
+MOST_CHOICES = 200  # of a filter; beyond, words find better
+
+
+def stills(folder: Path) -> list[dict[str, Any]]:
+    """What the pictures in a folder say of themselves, each task once, in the order of their labels.
+
+    A picture that says nothing is not a task's. Keys: those of a picture's record, and ``files``, by ending.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for path in sorted(folder.iterdir()):
+        if path.suffix not in ENDINGS or path.name.startswith(".") or not (text := attribute(path, RECORD)):
+            continue
+        record = found.setdefault(path.stem, json.loads(text) | {"files": {}})
+        record["files"][path.suffix] = path.name
+    return sorted(found.values(), key=lambda record: [_number(value) for value in record["labels"].values()])
+
+
+def write_page(path: Path, folder: Path, records: Iterable[dict[str, Any]], count: int) -> None:
+    """The page of ``count`` ``stills`` of a folder, to which its links point from ``path``."""
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    environment.filters["percent"] = lambda value: "" if math.isnan(value) else f"{value:.2%}"
+    template = environment.from_string(files(__package__).joinpath("gallery.jinja").read_text(encoding="utf-8"))
+    shown = [record | {"thumbnail": _thumbnail(folder, record)} for record in records]
+    away = folder.absolute().as_uri() + "/" if folder.absolute() != path.absolute().parent else ""
+    page = template.render(
+        title=folder.absolute().name, stills=shown, count=count, filters=filters(shown), away=away, width=WIDTH
+    )
+    with replacing(path) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+
+
+def filters(records: Sequence[dict[str, Any]]) -> dict[str, list[str]]:
+    """The labels by which stills differ, each with its values."""
+    found: dict[str, dict[str, None]] = {}
+    for record in records:
+        for name, value in record["labels"].items():
+            found.setdefault(name, {})[value] = None
+    return {
+        name: sorted(values, key=_number) for name, values in found.items() if 1 < len(values) <= MOST_CHOICES
+    }  # fmt: skip
+
+
+def _number(text: str) -> tuple[float, str]:
+    """Numbers by size, then words by the alphabet."""
+    try:
+        return float(text), ""
+    except ValueError:
+        return math.inf, text
+
+
+def _thumbnail(folder: Path, record: dict[str, Any]) -> str:
+    """As a WebP in the page itself."""
+    name = next(record["files"][ending] for ending in ENDINGS if ending in record["files"])
+    with tempfile.TemporaryDirectory(prefix="vgroove-") as place:
+        picture = Path(place) / "thumbnail.webp"
+        write(picture, tile(folder / name, WIDTH), {"compression": "webp:85"})
+        return "data:image/webp;base64," + base64.b64encode(picture.read_bytes()).decode()
