@@ -424,16 +424,19 @@ def batch(
         openjd.write(openjd_file, file, output, tasks, first)
         err.print(f"wrote {openjd_file}, a template of {len(tasks)} tasks", highlight=False, soft_wrap=True)
         return
-    if dry_run:
-        out.print(results.plan(tasks))
-        out.print(results.demand(tasks), highlight=False)
-        return
     from .batch import pool
 
     limit = pool.limits(
         len(tasks), workers, memory * 10**6 if memory else None, timeout=math.inf if timeout is None else timeout
     )
     versions, output = _versions(), output.absolute()  # other machines have other current folders
+    if dry_run:
+        named = {task.identity(versions): task for task in tasks}
+        before = {name: took for name, took in results.read_seconds(output).items() if name in named}
+        out.print(results.plan(tasks))
+        out.print(results.demand(tasks), highlight=False)
+        out.print(results.estimate(named, before, limit.workers), highlight=False, soft_wrap=True)
+        return
     if cluster is None:
         outcomes, label = pool.outcomes(tasks, output, versions, limit), f"rendering by {limit.workers}"
     else:

@@ -117,6 +117,18 @@ def test_what_is_there_is_kept_and_what_is_damaged_is_not(blender, tmp_path):
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
+def test_a_png_is_made_of_the_exr_that_is_there(blender, tmp_path, monkeypatch):
+    """Nothing is rendered again for it."""
+    exr, both = (tasks(SMALL + f'preset = "copper"\noutput = {kinds}')[0] for kinds in ('"exr"', '["png", "exr"]'))
+    renderer = Renderer(tmp_path, VERSIONS)
+    _, picture = rendered(renderer, exr)
+    monkeypatch.setattr(batch_task, "_picture", None)
+    assert rendered(renderer, both)[0] == "there"
+    shown = images.load(tmp_path / f"{both.identity(VERSIONS)}.png")
+    np.testing.assert_allclose(shown, images.displayed(picture, blender.context.scene), atol=1.0 / 255)
+    assert rendered(renderer, both)[0] == "there"
+
+
 def test_halves_make_the_whole_and_tell_its_error(blender, tmp_path):
     """The whole picture but for float32's rounding of a sum, a unit in the last place a sample; twice the same.
 

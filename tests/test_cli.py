@@ -3,6 +3,7 @@
 
 import csv
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -393,6 +394,7 @@ def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
     planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run")
     assert planned.returncode == 0, planned.stderr
     assert "4 tasks" in planned.stdout
+    assert re.search(r"about \d+ s by \d processes for 4 tasks, by the speed of the preview scene", planned.stdout)
     assert not (tmp_path / "out").exists()
     first, again = (vgroove("batch", job, "-o", tmp_path / "out") for _ in range(2))
     assert first.returncode == 0, first.stderr
@@ -402,6 +404,9 @@ def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["label"] for row in rows][:2] == ["lecture/copper, seed 0", "lecture/copper, seed 1"]
     assert all(row["status"] == "there" and float(row["seconds"]) > 0 for row in rows)
+    planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run").stdout
+    assert "about 0 s by" in planned
+    assert "for 0 tasks, by the speed of 4 that are there" in planned
     part = vgroove("batch", job, "-o", tmp_path / "part", "--tasks", "2-3", "--workers", 1)
     assert "wrote 2 stills" in part.stderr
     made = {path.name for path in (tmp_path / "part").iterdir()}

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 FILE = "results.csv"
 HEAD = ("task", "status", "seconds", "render_seconds", "samples", "error", "memory_mb", "tries", "label", "reason")
 MOST_ROWS = 20  # of a table for people
+# Of a plan, from bench/batch.py on the preview scene: seconds that a process takes to begin, and for a task beside its
+# samples; camera rays a second on one core; how many samples leave noise as large as the picture.
+START, EACH, RAYS, NOISE = 4.0, 0.05, 2.5e5, 4.0
 BYTES = {"exr": 12, "png": 3}  # a pixel, before compression
 
 
@@ -87,3 +90,46 @@ def demand(tasks: Sequence[Task]) -> str:
     disk = sum(math.prod(task.resolution or ()) * sum(BYTES[kind] for kind in task.outputs) for task in known)
     more = "" if len(known) == len(tasks) else f", and {len(tasks) - len(known)} of the size of their scene"
     return f"{len(tasks)} tasks, {pixels / 1e6:.3g} megapixels, up to {disk / 1e6:.3g} MB{more}"
+
+
+def rays(task: Task) -> float:
+    """Camera rays of a task, nan where its scene decides how many. Those towards an error are a guess."""
+    if task.resolution is None or (task.samples is None and task.error is None):
+        return math.nan
+    samples = task.samples if task.error is None else NOISE / task.error**2
+    return math.prod(task.resolution) * float(samples or 0)
+
+
+def estimate(tasks: Mapping[str, Task], before: Mapping[str, float], workers: int) -> str:
+    """How long what is left of the tasks takes. before: seconds of those that were rendered already, by name.
+
+    They say how fast this scene and machine are; without them it is the speed of the preview scene.
+    """
+    told = {name: rays(task) for name, task in tasks.items()}
+    left = [told[name] for name in tasks if name not in before and not math.isnan(told[name])]
+    done = [name for name in before if not math.isnan(told.get(name, math.nan))]
+    cast = sum(told[name] for name in done)
+    speed = cast / max(sum(before[name] for name in done) - EACH * len(done), 1e-9) if cast else RAYS
+    seconds = START * bool(left) + sum(EACH + one / speed for one in left) / workers
+    unknown = len(tasks) - len(before) - len(left)
+    source = f"by the speed of {len(done)} that are there" if cast else "by the speed of the preview scene"
+    more = f", and {unknown} whose scene decides" if unknown > 0 else ""
+    return f"about {duration(seconds)} by {workers} processes for {len(left)} tasks, {source}{more}"
+
+
+def duration(seconds: float) -> str:
+    """For people: 40 s, 12 min, 3.5 h."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+def read_seconds(folder: Path) -> dict[str, float]:
+    """Of each task that the tables in a folder say was rendered, by its name."""
+    found = {}
+    for path in folder.glob("results*.csv"):
+        with path.open(newline="", encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                if row.get("status") in {"rendered", "there"}:
+                    found[row["task"]] = float(row["seconds"])
+    return found

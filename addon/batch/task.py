@@ -26,9 +26,11 @@ from .mean import Mean
 from .outcome import RECORD, Outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
+    import numpy as np
     from bpy.types import Material, Scene
+    from numpy.typing import NDArray
 
     from .job import Task
 
@@ -68,8 +70,13 @@ class Renderer:
         name = task.identity(self.versions)
         paths = [self.folder / f"{name}.{ending}" for ending in task.outputs]
         note = f"vgroove {name}"
-        if all(is_done(path, note) for path in paths):
-            return Outcome(**json.loads(attribute(paths[0], RECORD))["outcome"] | {"status": "there"})
+        missing = [path for path in paths if not is_done(path, note)]
+        exact = self.folder / f"{name}.exr"
+        if not missing or is_done(exact, note):
+            record = attribute(exact if missing else paths[0], RECORD)
+            if missing:  # an earlier job wanted no PNG
+                self._save(missing, load(exact), self._scene(task), note, record)
+            return Outcome(**json.loads(record)["outcome"] | {"status": "there"})
         start = time.perf_counter()
         memory.reset_peak()
         shown = self._scene(task)
@@ -89,10 +96,13 @@ class Renderer:
         record = {
             "outcome": asdict(outcome), "labels": dict(task.labels), "task": task.content(), "versions": self.versions,
         }  # fmt: skip
+        self._save(paths, mean.picture, shown, note, json.dumps(record))
+        return outcome
+
+    def _save(self, paths: Iterable[Path], picture: NDArray[np.float32], shown: Scene, note: str, record: str) -> None:
         with self.writing:
             for path in paths:
-                save(path, mean.picture, shown, {"Note": note, RECORD: json.dumps(record)})
-        return outcome
+                save(path, picture, shown, {"Note": note, RECORD: record})
 
     def _scene(self, task: Task) -> Scene:
         """The task's scene, as its file has it but for the objects that the task gives materials to."""

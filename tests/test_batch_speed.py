@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What docs/batch.md says of time and memory holds, by its own bench at fewer stills."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from vgroove.addon.batch.job import parse
+
+ROOT = Path(__file__).parent.parent
+pytestmark = pytest.mark.blender
+
+
+@pytest.fixture(scope="module")
+def bench():
+    spec = importlib.util.spec_from_file_location("bench_batch", ROOT / "bench" / "batch.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_batch_has_eight_times_the_throughput_of_a_process_a_still(bench, tmp_path):
+    """At 40 stills, over which the start of a batch is spread less than over 1,000; both in the same minute."""
+    single = bench.alone(1, tmp_path)
+    batch = bench.together(40, tmp_path)
+    single = (single + bench.alone(1, tmp_path)) / 2.0
+    assert single / batch > 8.0
+
+
+def test_little_is_done_outside_cycles(bench, blender, tmp_path):
+    """Under 15 % of what its render call takes, at 256 x 256 and 64 samples."""
+    outside, _ = bench.one_process(parse(bench.job(4, 256, 64), "job", tmp_path)[:3], tmp_path)
+    assert outside < 0.15
+
+
+def test_no_memory_is_left_behind(bench, blender, tmp_path):
+    """Under 20 kB a task, once all was needed once."""
+    _, slope = bench.one_process(parse(bench.job(160, 64, 16), "job", tmp_path), tmp_path)
+    assert slope < 20_000
