@@ -443,7 +443,11 @@ def batch(
         from .batch import cluster as dask
 
         outcomes, label = dask.outcomes(tasks, output, versions, limit, cluster), f"rendering by {cluster}"
-    output.mkdir(parents=True, exist_ok=True)
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{output}: cannot be made: {error.strerror}; choose another with -o"
+        raise InputError(message) from error
     table = output / (results.FILE if part is None else f"results-{part}.csv")  # parts may be done at once
     check_writable(table)
     _batch(tasks, table, versions, outcomes, label)

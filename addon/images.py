@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
     from bpy.types import Image, Scene
     from numpy.typing import NDArray
+
+SPARE = 2**20  # bytes beside a picture below which a disk is full
 
 
 def pixels(image: Image) -> NDArray[np.float32]:
@@ -45,7 +48,10 @@ def write(path: Path, picture: NDArray[np.floating], attributes: Mapping[str, An
     file = oiio.ImageOutput.create(str(path))
     values = np.ascontiguousarray(picture, np.float32)
     if file is None or not (file.open(str(path), spec) and file.write_image(values) and file.close()):
-        message = f"{path}: cannot be written: {file.geterror() if file else oiio.geterror()}"
+        why = f"cannot be written: {file.geterror() if file else oiio.geterror()}"
+        if path.parent.is_dir() and shutil.disk_usage(path.parent).free < values.nbytes + SPARE:
+            why = "the disk is full; make room, and give the same command again"
+        message = f"{path}: {why}"
         raise OSError(message)
 
 

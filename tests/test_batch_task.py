@@ -2,6 +2,7 @@
 """Tasks rendered in one Blender that stays open: the same pixels in any order, whole files or none."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -206,3 +207,24 @@ def test_passes_that_nothing_uses_are_left_out(blender, gate):
     assert not shown.view_layers[0].use_pass_z
     assert not shown.view_layers[0].cycles.use_pass_volume_direct
     assert shown.view_layers[0].use_pass_combined
+
+
+def test_a_full_disk_is_called_one(blender, tmp_path, monkeypatch):
+    """Of files that cannot be written, and of what Blender stumbles over for that reason; it ends the work."""
+    (task,) = tasks(SMALL + 'preset = "copper"')
+    renderer = Renderer(tmp_path, VERSIONS)
+    free = shutil.disk_usage(tmp_path)
+    with headless.quiet(), monkeypatch.context() as patch:
+        patch.setattr(shutil, "disk_usage", lambda folder: free._replace(free=1000))
+        patch.setattr(scene, "still", lambda *a, **k: blender.ops.wm.open_mainfile(filepath="none.blend"))
+        with pytest.raises(OSError, match="the disk is full; make room"):
+            renderer.attempt(task)
+        with pytest.raises(OSError, match=r"gone\.exr: cannot be written: "):
+            images.write(tmp_path / "none" / "gone.exr", np.zeros((2, 2, 3), np.float32), {})
+        (tmp_path / "folder.exr").mkdir()
+        with pytest.raises(OSError, match=r"folder\.exr: the disk is full; make room"):
+            images.write(tmp_path / "folder.exr", np.zeros((2, 2, 3), np.float32), {})
+    with headless.quiet(), monkeypatch.context() as patch:
+        patch.setattr(scene, "still", lambda *a, **k: blender.ops.wm.open_mainfile(filepath="none.blend"))
+        assert renderer.attempt(task).status == "stumbled"
+    assert rendered(renderer, task)[0] == "rendered"

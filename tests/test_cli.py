@@ -411,6 +411,10 @@ def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
     assert "wrote 2 stills" in part.stderr
     made = {path.name for path in (tmp_path / "part").iterdir()}
     assert made == {"results-2-3.csv", *(f"{row['task']}.exr" for row in rows[1:3])}
+    (tmp_path / "file").touch()
+    within = vgroove("batch", job, "-o", tmp_path / "file" / "out")
+    assert within.returncode == 2
+    assert "file/out: cannot be made: Not a directory; choose another with -o" in within.stderr
     beyond = vgroove("batch", job, "-o", tmp_path / "part", "--tasks", "2-5")
     assert beyond.returncode == 2
     assert '--tasks "2-5": write A-B, from 1-4: the job has 4 tasks' in beyond.stderr

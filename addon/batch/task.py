@@ -16,7 +16,7 @@ import bpy
 
 from ...nodegroups.osl_script import OslError
 from .. import scene
-from ..images import attribute, load, save
+from ..images import SPARE, attribute, load, save
 from ..material import MaterialError
 from ..scene import SceneError
 from ..sequence import SEED_STEP, is_done
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
 FIRST, GROWTH = 16, 4  # samples of a picture towards an error, and how much each may add to all before
 LONGEST = 2**16  # samples at which the way to an error ends
-SPARE = 2**20  # bytes beside a picture below which a disk is full
 
 
 class Renderer:
