@@ -314,14 +314,17 @@ def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") ->
     return tuple(item for item in followed if binds(estimator, lamps.size(item), model))[: lamps.LIMIT]
 
 
+def blender_folders() -> list[Path]:
+    """Where Blender keeps what comes with it: a distribution's has a system folder of its own."""
+    return [Path(found) for kind in ("SYSTEM", "LOCAL") if (found := bpy.utils.resource_path(kind))]
+
+
 # The preview scene
 
 
 def environments() -> dict[str, Path]:
     """The environment maps that come with Blender, by name."""
-    # A distribution's Blender keeps its data in a system folder of its own.
-    roots = [Path(bpy.utils.resource_path(kind) or "/nowhere") for kind in ("SYSTEM", "LOCAL")]
-    folders = [root / "datafiles" / "studiolights" / "world" for root in roots]
+    folders = [root / "datafiles" / "studiolights" / "world" for root in blender_folders()]
     return {path.stem: path for folder in folders for path in sorted(folder.glob("*.exr"))}
 
 

@@ -50,6 +50,7 @@ def is_done(path: Path, wanted: str) -> bool:
         return False
     file = oiio.ImageInput.open(str(path))
     if file is None:
+        oiio.geterror()  # else told at the very end of the process
         return False
     try:
         return file.spec().getattribute("Note") == wanted and file.read_image() is not None

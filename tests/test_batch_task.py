@@ -130,6 +130,25 @@ def test_a_png_is_made_of_the_exr_that_is_there(blender, tmp_path, monkeypatch):
     assert rendered(renderer, both)[0] == "there"
 
 
+def test_a_texture_that_changed_is_seen(blender, gate):
+    """Outside the .blend, which does not change with it: the still is rendered anew, and else kept."""
+    images.write(gate / "sky.exr", np.full((4, 8, 3), 1.0, np.float32), {})
+    with headless.quiet():
+        scene.light_by(blender.context.scene, gate / "sky.exr")
+        blender.ops.wm.save_mainfile(relative_remap=True)
+    (task,) = tasks(SMALL + 'scene = "gate.blend"', gate)
+    renderer = Renderer(gate, VERSIONS)
+    status, bright = rendered(renderer, task)
+    record = json.loads(images.attribute(gate / f"{task.identity(VERSIONS)}.exr", RECORD))
+    assert list(record["files"]) == ["sky.exr"]
+    assert (status, rendered(renderer, task)[0]) == ("rendered", "there")
+    images.write(gate / "sky.exr", np.full((4, 8, 3), 0.1, np.float32), {})
+    status, dark = rendered(Renderer(gate, VERSIONS), task)
+    assert status == "rendered"
+    assert dark.mean() < 0.5 * bright.mean()
+    assert rendered(renderer, task)[0] == "there"
+
+
 def test_halves_make_the_whole_and_tell_its_error(blender, tmp_path):
     """The whole picture but for float32's rounding of a sum, a unit in the last place a sample; twice the same.
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import tempfile
 import threading
@@ -50,6 +51,7 @@ class Renderer:
         self._wanted: object = None  # what the open scene was opened for
         self._own = 0, 0, (0, 0)  # frame, samples and resolution that its file has
         self._materials: dict[str, Material] = {}  # of the tasks, by object
+        self._outside: dict[str, str] = {}  # files that it reads, as from its folder, and the digest of each
 
     def attempt(self, task: Task) -> Outcome:
         """``render``, or why it could not be. OSError still ends the work: a full disk fails every task."""
@@ -69,9 +71,9 @@ class Renderer:
         name = task.identity(self.versions)
         paths = [self.folder / f"{name}.{ending}" for ending in task.outputs]
         note = f"vgroove {name}"
-        missing = [path for path in paths if not is_done(path, note)]
+        missing = [path for path in paths if not self._is_done(path, note, task)]
         exact = self.folder / f"{name}.exr"
-        if not missing or is_done(exact, note):
+        if not missing or self._is_done(exact, note, task):
             record = attribute(exact if missing else paths[0], RECORD)
             if missing:  # an earlier job wanted no PNG
                 self._save(missing, load(exact), self._scene(task), note, record)
@@ -93,7 +95,8 @@ class Renderer:
             name, "rendered", rendered - start, rendered - began, mean.samples, mean.error, memory.peak()
         )  # fmt: skip
         record = {
-            "outcome": asdict(outcome), "labels": dict(task.labels), "task": task.content(), "versions": self.versions,
+            "outcome": asdict(outcome), "labels": dict(task.labels), "task": task.content(),
+            "versions": self.versions, "files": self._outside,
         }  # fmt: skip
         self._save(paths, mean.picture, shown, note, json.dumps(record))
         return outcome
@@ -115,8 +118,16 @@ class Renderer:
             render.use_persistent_data = True  # only what changes from task to task is given to Cycles anew
             render.threads_mode, render.threads = ("FIXED", self.threads) if self.threads else ("AUTO", 1)
             self._wanted, self._own = wanted, (shown.frame_current, shown.cycles.samples, tuple(size))
-            self._materials = {}
+            self._materials, self._outside = {}, _files_outside(Path(task.scene)) if task.digest else {}
         return bpy.context.scene
+
+    def _is_done(self, path: Path, note: str, task: Task) -> bool:
+        """Whether a picture is the task's, and what its scene reads from other files is what it was then."""
+        if not is_done(path, note):
+            return False
+        outside = json.loads(attribute(path, RECORD) or "{}").get("files", {})
+        folder = Path(task.scene).parent
+        return all(digest_of(folder / name) == digest for name, digest in outside.items())
 
 
 def _opened(task: Task) -> Scene:
@@ -124,6 +135,14 @@ def _opened(task: Task) -> Scene:
         message = f"{task.scene}: has changed since the job was read; give the same command again"
         raise SceneError(message)
     return scene.opened(Path(task.scene))
+
+
+def _files_outside(blend: Path) -> dict[str, str]:
+    """What the open .blend reads from other files, as textures and libraries: as from its folder, with digests."""
+    found = sorted({Path(bpy.path.abspath(path)) for path in bpy.utils.blend_paths(absolute=True, packed=False)})
+    own = scene.blender_folders()  # whose content the version names
+    files = [path for path in found if path.is_file() and path != blend and not any(map(path.is_relative_to, own))]
+    return {os.path.relpath(path, blend.parent): digest_of(path) for path in files}
 
 
 def _obstacle(shown: Scene) -> str:
