@@ -117,7 +117,7 @@ def test_a_process_makes_room_for_a_new_one(folder, monkeypatch):
 
     monkeypatch.setattr(pool, "Child", Counted)
     tasks = parse(SMALL + f"seed = {list(range(4))}\n", "job", folder)
-    for change, count in (({"recycle": 2}, 2), ({"memory": 19 * 10**8}, 4), ({}, 1)):
+    for change, count in (({"recycle": 2}, 2), ({"memory": 12 * 10**8}, 4), ({}, 1)):
         (folder / "out").mkdir(exist_ok=True)
         begun.clear()
         found = list(pool.outcomes(tasks, folder / "out", VERSIONS, limits(workers=1, **change)))

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 TRIES = 3  # of a task, before it is set aside
 STARTS = 8  # of a process that is killed while it starts
 TYPICAL = 1.5e9  # bytes that a process takes, with a scene of its own
+FULL = 0.8  # of what a process may hold
 RECYCLE = 2000  # tasks, after which a process makes room for a new one
 
 
@@ -32,7 +33,7 @@ RECYCLE = 2000  # tasks, after which a process makes room for a new one
 class Limits:
     """How many processes, and what each may take.
 
-    timeout: seconds for a task. memory: bytes of a process; one that holds more than half of it between tasks is
+    timeout: seconds for a task. memory: bytes of a process; one that holds more than ``FULL`` of it between tasks is
     replaced. recycle: tasks after which it is.
     """
 
@@ -48,7 +49,7 @@ class Limits:
 
     def is_used_up(self, child: Child) -> bool:
         """Whether a process makes room for a new one."""
-        return child.rendered >= self.recycle or child.held() > self.memory / 2
+        return child.rendered >= self.recycle or child.held() > FULL * self.memory
 
 
 def cores() -> int:
