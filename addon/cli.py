@@ -9,7 +9,8 @@ import math
 import re
 import sys
 import time
-from dataclasses import asdict
+from contextlib import closing
+from dataclasses import asdict, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -419,10 +420,13 @@ def batch(
     """Render every task of a job file, each to a file of its own name; what is there and whole is kept."""
     from .batch import job, openjd, results
 
+    if openjd_file is not None and (dry_run or cluster is not None):
+        message = "--openjd writes a template and renders nothing; leave --cluster and --dry-run out"
+        raise InputError(message)
     first, tasks = _part(job.load(file), part)
     if openjd_file is not None:
         openjd.write(openjd_file, file, output, tasks, first)
-        err.print(f"wrote {openjd_file}, a template of {len(tasks)} tasks", highlight=False, soft_wrap=True)
+        _say(f"wrote {openjd_file}, a template of {len(tasks)} tasks")
         return
     from .batch import pool
 
@@ -432,25 +436,38 @@ def batch(
     versions, output = _versions(), output.absolute()  # other machines have other current folders
     if dry_run:
         named = {task.identity(versions): task for task in tasks}
-        before = {name: took for name, took in results.read_seconds(output).items() if name in named}
-        out.print(results.plan(tasks))
+        seconds = results.read_seconds(output)
+        before = {
+            name: seconds[name]
+            for name, task in named.items()
+            if name in seconds and all((output / f"{name}.{kind}").is_file() for kind in task.outputs)
+        }
+        out.print(results.plan(tasks, first))
         out.print(results.demand(tasks), highlight=False)
-        out.print(results.estimate(named, before, limit.workers), highlight=False, soft_wrap=True)
+        out.print(results.estimate(named, before, limit.workers, limit.threads), highlight=False, soft_wrap=True)
         return
-    if cluster is None:
-        outcomes, label = pool.outcomes(tasks, output, versions, limit), f"rendering by {limit.workers}"
-    else:
-        from .batch import cluster as dask
-
-        outcomes, label = dask.outcomes(tasks, output, versions, limit, cluster), f"rendering by {cluster}"
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{output}: cannot be made: {error.strerror}; choose another with -o"
-        raise InputError(message) from error
     table = output / (results.FILE if part is None else f"results-{part}.csv")  # parts may be done at once
+    if cluster is None:
+        _make(table)
+        _batch(tasks, table, versions, pool.outcomes(tasks, output, versions, limit), f"rendering by {limit.workers}")
+        return
+    from .batch import cluster as dask
+
+    with dask.connected(cluster) as client:
+        _make(table)
+        if memory is None:  # that is for each machine to say
+            limit = replace(limit, memory=0)
+        _batch(tasks, table, versions, dask.outcomes(tasks, output, versions, limit, client), f"rendering by {cluster}")
+
+
+def _make(table: Path) -> None:
+    """The folder of a batch."""
+    try:
+        table.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{table.parent}: cannot be made: {error.strerror}; choose another with -o"
+        raise InputError(message) from error
     check_writable(table)
-    _batch(tasks, table, versions, outcomes, label)
 
 
 def _part(tasks: list[Task], part: str | None) -> tuple[int, list[Task]]:
@@ -474,21 +491,23 @@ def _batch(
     named = {task.identity(versions): task for task in tasks}
     found: dict[str, Outcome] = {}
     try:
-        try:
+        with closing(outcomes):
             for outcome in _progress(outcomes, label, len(tasks)):
                 found[outcome.name] = outcome
-        finally:  # whatever ended it
-            outcomes.close()
-            results.write(table, named, found)
+        results.write(table, named, found)
     except OSError as error:  # the input was fine
+        results.keep(table, named, found)
         raise RuntimeError(str(error)) from error
+    except BaseException:
+        results.keep(table, named, found)
+        raise
     failed = [one for one in found.values() if one.status == "failed"]
     kept = sum(one.status == "there" for one in found.values())
     out.print(results.summary(list(found.values())))
     if failed:
         out.print(results.failures(named, failed))
     left = f", {kept} of them there already" if kept else ""
-    err.print(f"wrote {len(found) - len(failed)} stills to {table.parent}{left}", highlight=False, soft_wrap=True)
+    _say(f"wrote {len(found) - len(failed)} stills to {table.parent}{left}")
     if failed:
         message = f"{len(failed)} of {len(tasks)} tasks failed: {failed[0].reason}"
         if len({one.reason for one in failed}) > 1:
@@ -519,7 +538,7 @@ def gallery(
         raise InputError(message)
     with headless.quiet():
         page.write_page(path, folder, _progress(found, "drawing", len(found)), len(found))
-    err.print(f"wrote {path} of {len(found)} stills", highlight=False, soft_wrap=True)
+    _say(f"wrote {path} of {len(found)} stills")
 
 
 @app.command()
@@ -587,6 +606,10 @@ def _run(command: Callable[[], Any]) -> int:
         if isinstance(error, RuntimeError):  # from Blender itself
             return _fail(str(error).strip(), 3)
         raise
+
+
+def _say(text: str) -> None:
+    err.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 def _fail(text: str, code: int) -> int:

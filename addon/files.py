@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import os
+import platform
+import re
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+NODE = re.sub(r"\W", "", platform.node())[:16]  # of this machine: others may write to the same folder
 
 
 @contextmanager
@@ -19,7 +23,7 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises FileNotFoundError if the block wrote nothing there.
     """
     path = path.absolute()  # Blender finds no folder for a name alone
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}-{NODE}{path.suffix}")
     try:
         yield temporary
         temporary.replace(path)

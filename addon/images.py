@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 import tempfile
 from pathlib import Path
@@ -73,6 +74,26 @@ def attribute(path: Path, name: str) -> Any:
         return file.spec().getattribute(name)
     finally:
         file.close()
+
+
+def digest(path: Path) -> str:
+    """The SHA-256 of the values that a file's picture has as float32; empty where it cannot be read."""
+    import OpenImageIO as oiio  # noqa: N813 - as in write
+
+    file = oiio.ImageInput.open(str(path))
+    if file is None:
+        oiio.geterror()
+        return ""
+    try:
+        values = file.read_image("float")
+    finally:
+        file.close()
+    return "" if values is None else digest_of_values(values)
+
+
+def digest_of_values(picture: NDArray[np.floating]) -> str:
+    """``digest`` of a picture that is written as EXR."""
+    return hashlib.sha256(np.ascontiguousarray(picture, np.float32).tobytes()).hexdigest()
 
 
 def load(path: Path) -> NDArray[np.float32]:

@@ -144,8 +144,8 @@ def build(preset: Preset, choice: Choice, into: Material | None = None) -> Mater
     Idempotent: if this .blend holds one that was built the same way and not edited since, that one is returned.
     An edited one is left alone and a new one is made beside it.
 
-    into: a material that ``build`` made, which becomes this one; no other is looked for then. Cycles, which never
-    forgets a material while it keeps a scene, sees one that changes.
+    into: a material that becomes this one; no other is looked for then. Cycles, which never forgets a material while it
+    keeps a scene, sees one that changes.
     """
     if choice.play is not None and preset.time is None:
         message = f"{preset.id} does not change over time; leave play out"
@@ -173,12 +173,11 @@ def _build(preset: Preset, choice: Choice, into: Material | None) -> Material:
     """The material as it is at the start of its course."""
     group = _group(preset, choice)  # may refuse: nothing is made before it
     name = f"{preset.name} ({choice.estimator.title()})"
-    if into is None:
-        material = bpy.data.materials.new(name)
-    else:
-        stop(into)
-        material, into.name = into, name
-        into.node_tree.animation_data_clear()
+    material = into or bpy.data.materials.new(name)
+    if KEY in material:
+        stop(material)
+        material.node_tree.animation_data_clear()
+        material.name = name
     if bpy.app.version < (5, 0, 0):  # 4.5 has no tree until use_nodes is set; 5.x warns when it is. Goes with 4.5 LTS.
         material.use_nodes = True
     tree = material.node_tree

@@ -469,12 +469,12 @@ def assign(
             raise SceneError(message)
         bound_lamps = lamps_to_bind(scene, chosen, preset.model)
         choice = Choice(backend, chosen, bound_lamps, bound=bound, play=play if preset.time else None)
-        made = build(preset, choice) if into is None else build(preset, choice, into.get(name))
+        if into is not None and name not in into:  # of its own, though there be another like it
+            into[name] = bpy.data.materials.new(preset.name)
+        made = build(preset, choice, into[name] if into is not None else None)
         if not apply(made, [item]):
             message = f'{where}"{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise SceneError(message)
-        if into is not None:
-            into[name] = made
         said |= dict.fromkeys(problem.text for problem in problems_with(scene, preset, backend, chosen))
     return list(said)
 
@@ -521,7 +521,10 @@ def still(
         scene.cycles.seed = seed
     if resolution is not None:
         render.resolution_x, render.resolution_y, render.resolution_percentage = *resolution, 100
+    render.use_multiview = render.use_stamp = False  # one picture, of the scene alone
     settings = render.image_settings
+    if bpy.app.version >= (5, 0, 0):  # 4.5 knows one list of formats. Goes with 4.5 LTS.
+        settings.media_type = "IMAGE"
     settings.file_format = FORMATS[path.suffix.lower()]
     settings.color_mode = "RGB"
     settings.color_depth = "32" if settings.file_format == "OPEN_EXR" else "8"

@@ -14,6 +14,7 @@ headless.prepare()
 import bpy  # noqa: E402 - prepare() must come first
 
 from vgroove.addon import gonio, images, scene  # noqa: E402
+from vgroove.addon.batch.outcome import RECORD, read_record  # noqa: E402
 from vgroove.addon.batch.task import Renderer  # noqa: E402
 
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
@@ -104,12 +105,13 @@ def same_as_quiet(blender, tmp_path):
     """A function that checks that pictures are those of tasks as one process renders them that nobody disturbs."""
 
     def check(pictures, tasks):
-        renderer = Renderer(tmp_path / "quiet", {})
+        record = read_record(images.attribute(pictures[0], RECORD))
+        renderer = Renderer(tmp_path / "quiet", record["versions"])
         renderer.folder.mkdir()
         with headless.quiet():
             paths = [renderer.folder / f"{renderer.render(task).name}.exr" for task in tasks]
-        wanted, found = (sorted(images.load(path).tobytes() for path in of) for of in (paths, pictures))
-        assert len(set(wanted)) == len(tasks)
+        wanted, found = ({path.name: images.load(path).tobytes() for path in of} for of in (paths, pictures))
+        assert len(set(wanted.values())) == len(tasks)
         assert found == wanted
 
     return check

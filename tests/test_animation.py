@@ -103,9 +103,12 @@ def test_direct_renders_every_moment_as_the_reference_has_it(instrument, name, d
 
 @pytest.mark.parametrize("name", CHANGING)
 def test_hybrid_sends_back_at_every_moment_what_the_reference_says(instrument, name):
-    """By Z-tests, in both backends and both ways of driving; one item, as they share the reference."""
+    """By Z-tests, in both backends and both ways of driving; one item, as they share the reference.
+
+    F-curves on an OSL material's inputs are those of nodes: they are looked at on a few.
+    """
     for setup in SETUPS:
-        for driving in animation.DRIVINGS:
+        for driving in animation.DRIVINGS if name in SHORT or setup.backend == "nodes" else ("age",):
             row = check_time.hybrid_row(setup, driving, name)
             assert len(row.views) == check_time.MOMENTS
             assert row.passed, (str(setup), driving, row.as_json())

@@ -11,7 +11,7 @@ import pytest
 
 from vgroove.addon import images
 from vgroove.addon.batch import gallery
-from vgroove.addon.batch.outcome import RECORD
+from vgroove.addon.batch.outcome import RECORD, Outcome
 
 pytestmark = pytest.mark.blender
 
@@ -35,7 +35,8 @@ class Page(HTMLParser):
 
 
 def put(folder, name, labels, endings=("exr",), error=0.25):
-    record = {"labels": labels, "outcome": {"seconds": 1.5, "samples": 8, "error": error}}
+    outcome = Outcome(name, "rendered", 1.5, samples=8, error=error).as_json()
+    record = {"labels": labels, "outcome": outcome, "files": {}}
     record |= {"task": {"scene": "preview"}, "versions": {"vgroove": "test"}}
     for ending in endings:
         picture = np.full((20, 30, 3), 0.5, np.float32)
@@ -49,6 +50,7 @@ def folder(blender, tmp_path):
     put(tmp_path, "c" * 32, {"preset": "copper", "m": "10"})
     images.write(tmp_path / "mine.png", np.zeros((4, 4, 3), np.float32), {})
     (tmp_path / "broken.exr").write_bytes(b"x")
+    images.write(tmp_path / "record.exr", np.zeros((4, 4, 3), np.float32), {RECORD: '{"outcome": 1'})
     return tmp_path
 
 
@@ -56,7 +58,7 @@ def test_every_still_is_there_once(folder):
     """In the order of its labels, numbers by size; files of others are not."""
     found = gallery.stills(folder)
     assert [record["labels"]["m"] for record in found] == ["0.02", "0.1", "10"]
-    assert found[1]["files"] == {".exr": "a" * 32 + ".exr", ".png": "a" * 32 + ".png"}
+    assert found[1]["pictures"] == {".exr": "a" * 32 + ".exr", ".png": "a" * 32 + ".png"}
     assert gallery.filters(found) == {"preset": ["<script>alert(1)</script>", "copper"], "m": ["0.02", "0.1", "10"]}
     gallery.write_page(folder / "page.html", folder, found, len(found))
     text = (folder / "page.html").read_text(encoding="utf-8")

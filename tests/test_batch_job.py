@@ -97,6 +97,22 @@ def test_the_job_of_the_documentation_holds(tmp_path):
     assert set(re.findall(r"`(\w+)`(?=[^|]*\|[^|]*\|$)", columns, flags=re.MULTILINE)) == set(results.HEAD)
 
 
+def test_a_task_of_two_tables_has_the_outputs_of_both():
+    """And is one task."""
+    table = '[[render]]\npreset = "copper"\noutput = '
+    (task,) = parse(table + '"exr"\n' + table + '["png", "exr"]\n', "job.toml", Path())
+    assert task.outputs == ("exr", "png")
+
+
+def test_one_scene_of_two_names_is_refused(tmp_path):
+    """Their textures may differ, which would be one still."""
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "hall.blend").write_bytes(b"1")
+    with pytest.raises(JobError, match="are the same file, and would be one still; name one of them"):
+        tasks('scene = ["a/hall.blend", "b/hall.blend"]', tmp_path)
+
+
 def test_an_object_gets_one_preset(tmp_path):
     """Not one by preset and another by assign."""
     (tmp_path / "a.blend").write_bytes(b"")

@@ -64,6 +64,7 @@ def test_presets_as_json_hold_the_contract():
         (["render", "rusting_iron", "-o", "a.png", "--strip", "s.png"], "--strip s.png: goes with --frames"),
         (["render", "rusting_iron", "-o", "a.png", "--shutter", "0.5"], "--shutter 0.5: goes with --frames"),
         (["batch", "none.toml", "-o", "out"], "none.toml: cannot be read"),
+        (["batch", "a.toml", "-o", "out", "--openjd", "a.json", "--dry-run"], "leave --cluster and --dry-run out"),
         (["gallery", "none"], "none: no such folder; name one that `vgroove batch` rendered to"),
         (["gallery", "."], ".: holds no stills of `vgroove batch`"),
         (
@@ -407,9 +408,10 @@ def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
     planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run").stdout
     assert "about 0 s by" in planned
     assert "for 0 tasks, by the speed of 4 that are there" in planned
-    part = vgroove("batch", job, "-o", tmp_path / "part", "--tasks", "2-3", "--workers", 1)
-    assert "wrote 2 stills" in part.stderr
-    made = {path.name for path in (tmp_path / "part").iterdir()}
+    part = vgroove("batch", job, "-o", tmp_path / "a [/b] part", "--tasks", "2-3", "--workers", 1)
+    assert "wrote 2 stills to" in part.stderr
+    assert "a [/b] part" in part.stderr
+    made = {path.name for path in (tmp_path / "a [/b] part").iterdir()}
     assert made == {"results-2-3.csv", *(f"{row['task']}.exr" for row in rows[1:3])}
     (tmp_path / "file").touch()
     within = vgroove("batch", job, "-o", tmp_path / "file" / "out")

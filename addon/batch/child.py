@@ -24,6 +24,8 @@ from typing import IO, TYPE_CHECKING, Any
 
 import psutil
 
+from ..files import NODE
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -34,7 +36,8 @@ READY = "ready"
 LOOK = 0.25  # seconds between looks at a process's time and memory
 LAST_WORDS = 300  # characters of what a process said last
 OLD = 3600.0  # seconds, after which nobody still writes a file that takes well under one
-TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.(\d+)\.\w+")  # of a task, by files.replacing
+TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.(\d+)-(\w*)\.\w+")  # of a task, by files.replacing
+SCRATCH = re.compile(r"vgroove-(\d+)-\w+")  # a folder of a process that was begun by another
 
 
 class ChildLostError(RuntimeError):
@@ -47,11 +50,22 @@ class ChildLostError(RuntimeError):
 
 def sweep(folder: Path, pid: int | None = None) -> None:
     """Remove what killed processes left half written in a folder of stills: of one process, or all that is old."""
-    for path in folder.iterdir():
-        found = TEMPORARY.fullmatch(path.name)
-        with contextlib.suppress(OSError):  # someone else was quicker
-            if found and (int(found[1]) == pid if pid else time.time() - path.stat().st_mtime > OLD):
+    with contextlib.suppress(OSError):  # someone else was quicker
+        for path in list(folder.iterdir()):
+            found = TEMPORARY.fullmatch(path.name)
+            if found and (_is_of(found, pid) if pid else time.time() - path.stat().st_mtime > OLD):
                 path.unlink()
+
+
+def _is_of(found: re.Match[str], pid: int) -> bool:
+    return int(found[1]) == pid and found[2] == NODE
+
+
+def sweep_scratch() -> None:
+    """Remove what processes left that were killed together with those that had begun them."""
+    for path in Path(tempfile.gettempdir()).glob("vgroove-*"):
+        if (found := SCRATCH.fullmatch(path.name)) and not psutil.pid_exists(int(found[1])):
+            shutil.rmtree(path, ignore_errors=True)
 
 
 class Child:
@@ -60,11 +74,11 @@ class Child:
     def __init__(self, folder: Path, versions: Mapping[str, str], threads: int = 0) -> None:
         self.folder, self.rendered = folder, 0
         self._why = ""  # we ended it
-        self._scratch = Path(tempfile.mkdtemp(prefix="vgroove-"))
+        self._scratch = Path(tempfile.mkdtemp(prefix=f"vgroove-{os.getpid()}-"))
         scratch = str(self._scratch)
         with (self._scratch / "stderr").open("w", encoding="utf-8") as said:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", __name__],
+                [sys.executable, "-P", "-m", __name__],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=said,

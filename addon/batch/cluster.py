@@ -7,18 +7,21 @@ Each worker has its renders done by a ``Child``, which ends with it. One thread 
 from __future__ import annotations
 
 import logging
+import re
 import threading
 from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+import psutil
+
 from .child import Child, ChildLostError, sweep
 from .outcome import Outcome
 from .pool import Limits, Tries
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Mapping, Sequence
+    from collections.abc import Generator, Sequence
     from pathlib import Path
 
     from .job import Task
@@ -30,13 +33,11 @@ class ClusterError(ValueError):
     """A cluster that cannot be used, in one line: what, where, how to mend it."""
 
 
-def outcomes(
-    tasks: Sequence[Task], folder: Path, versions: Mapping[str, str], limit: Limits, address: str
-) -> Generator[Outcome]:
-    """As ``pool.outcomes``, by the workers that the scheduler at ``address`` has and gets; those of limit do not count.
-
-    ClusterError if it cannot be reached; RuntimeError if it is lost.
-    """
+def connected(address: str) -> Any:
+    """A client of the scheduler at ``address``; ClusterError if it cannot be reached."""
+    if not re.fullmatch(r"\w+://\S+:\d+", address):
+        message = f'--cluster "{address}": write the address of a Dask scheduler, as in tcp://farm:8786'
+        raise ClusterError(message)
     try:
         import distributed
     except ImportError as error:
@@ -45,17 +46,20 @@ def outcomes(
     for logger in ("distributed", "distributed.client"):  # we say in one line what they say in forty
         logging.getLogger(logger).setLevel(logging.CRITICAL)
     try:
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+        return distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, ImportError) as error:
         message = f"{address}: no Dask scheduler answers there ({' '.join(str(error).split())}); "
         message += "start one by `dask scheduler` and give its address, as in tcp://farm:8786"
         raise ClusterError(message) from error
-    return _followed(client, tasks, folder, dict(versions), limit)
 
 
-def _followed(
-    client: Any, tasks: Sequence[Task], folder: Path, versions: dict[str, str], limit: Limits
+def outcomes(
+    tasks: Sequence[Task], folder: Path, versions: dict[str, str], limit: Limits, client: Any
 ) -> Generator[Outcome]:
+    """As ``pool.outcomes``, by the workers that the client's scheduler has and gets; those of limit do not count.
+
+    RuntimeError if the scheduler is lost.
+    """
     from distributed import CancelledError, KilledWorker, as_completed
     from distributed.comm import CommClosedError
 
@@ -89,8 +93,6 @@ def _followed(
             raise
         message = f"{address}: the Dask scheduler is gone; start it and its workers, and give the same command again"
         raise RuntimeError(message) from error
-    finally:
-        client.close()
 
 
 # On a worker
@@ -109,7 +111,8 @@ def render_on_worker(
         message = f"{folder}: there is no such folder on {get_worker().address}; use one that all machines share"
         raise FileNotFoundError(message)
     host = str(urlsplit(get_worker().address).hostname)
-    limit = replace(limit, workers=max(1, neighbours.get(host, 1)))
+    workers = max(1, neighbours.get(host, 1))
+    limit = replace(limit, workers=workers, memory=limit.memory or psutil.virtual_memory().available // workers)
     with _LOCK:
         kind = folder, tuple(sorted(versions.items()))
         child = _children.pop(kind, None)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import base64
-import json
 import math
 import tempfile
 from importlib.resources import files
@@ -15,7 +14,7 @@ import jinja2
 
 from ..files import replacing
 from ..images import attribute, tile, write
-from .outcome import RECORD
+from .outcome import RECORD, read_record
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -29,14 +28,15 @@ MOST_CHOICES = 200  # of a filter; beyond, words find better
 def stills(folder: Path) -> list[dict[str, Any]]:
     """What the pictures in a folder say of themselves, each task once, in the order of their labels.
 
-    A picture that says nothing is not a task's. Keys: those of a picture's record, and ``files``, by ending.
+    A picture that says nothing is not a task's. Keys: those of a picture's record, and ``pictures``, names by ending.
     """
     found: dict[str, dict[str, Any]] = {}
     for path in sorted(folder.iterdir()):
-        if path.suffix not in ENDINGS or path.name.startswith(".") or not (text := attribute(path, RECORD)):
+        if path.suffix not in ENDINGS or path.name.startswith("."):
             continue
-        record = found.setdefault(path.stem, json.loads(text) | {"files": {}})
-        record["files"][path.suffix] = path.name
+        if (read := read_record(attribute(path, RECORD))) is not None:
+            record = found.setdefault(path.stem, read | {"pictures": {}})
+            record["pictures"][path.suffix] = path.name
     return sorted(found.values(), key=lambda record: [_number(value) for value in record["labels"].values()])
 
 
@@ -75,8 +75,11 @@ def _number(text: str) -> tuple[float, str]:
 
 def _thumbnail(folder: Path, record: dict[str, Any]) -> str:
     """As a WebP in the page itself."""
-    name = next(record["files"][ending] for ending in ENDINGS if ending in record["files"])
+    name = next(record["pictures"][ending] for ending in ENDINGS if ending in record["pictures"])
     with tempfile.TemporaryDirectory(prefix="vgroove-") as place:
         picture = Path(place) / "thumbnail.webp"
-        write(picture, tile(folder / name, WIDTH), {"compression": "webp:85"})
+        try:
+            write(picture, tile(folder / name, WIDTH), {"compression": "webp:85"})
+        except (RuntimeError, ZeroDivisionError):  # it was cut short: its links say so
+            return ""
         return "data:image/webp;base64," + base64.b64encode(picture.read_bytes()).decode()

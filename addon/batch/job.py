@@ -10,6 +10,7 @@ import hashlib
 import itertools
 import json
 import math
+import os
 import re
 import tomllib
 from dataclasses import dataclass, replace
@@ -92,8 +93,15 @@ class Task:
 
     @property
     def place(self) -> tuple[Any, ...]:
-        """What a scene has to be opened anew for: tasks with the same one render soonest after each other."""
-        return self.digest or PREVIEW, self.backend, tuple(sorted(name for name, _ in self.given))
+        """What a scene has to be opened anew for: tasks with the same one render soonest after each other.
+
+        Of a scene that it keeps, Cycles may remember that light was scattered or taken below a surface.
+        """
+        kinds = []
+        for name, of in self.given:
+            taken = of.parameters.get("absorption")
+            kinds.append((name, of.model, isinstance(taken, tuple) and any(taken)))
+        return self.scene, self.digest, self.backend, tuple(sorted(kinds))
 
     @cached_property
     def label(self) -> str:
@@ -153,7 +161,16 @@ def parse(text: str, where: str, folder: Path) -> list[Task]:
             message = f"{here}: makes {grid.count} tasks, more than {MOST_TASKS}; make several jobs of it"
             raise JobError(message)
         for task in grid.tasks():
-            found.setdefault(task.identity({}), task)
+            name = task.identity({})
+            same = found.setdefault(name, task)
+            if same.scene != task.scene:
+                message = (
+                    f"{here}: {task.scene} and {same.scene} are the same file, and would be one still; name one of them"
+                )
+                raise JobError(message)
+            more = tuple(kind for kind in task.outputs if kind not in same.outputs)
+            if more:  # a table that came before wanted less of it
+                found[name] = replace(same, outputs=same.outputs + more)
     return list(found.values())
 
 
@@ -270,7 +287,7 @@ class _Grid:
         name = as_typed(self.where, "scene", value, str)
         if name == PREVIEW:
             return PREVIEW, ""
-        path = (self.folder / name).absolute()
+        path = Path(os.path.normpath(self.folder.absolute() / name))
         if path.suffix != ".blend" or not path.is_file():
             message = f'{self.where}: scene "{name}": no such .blend in {self.folder.absolute()}, nor is it "{PREVIEW}"'
             raise JobError(message)
@@ -342,5 +359,5 @@ def _text(value: Any) -> str:
     if hasattr(value, "id"):
         return str(value.id)
     if isinstance(value, (list, tuple)):
-        return Path(value[0]).stem if isinstance(value[0], str) else "x".join(f"{part:g}" for part in value)
-    return f"{value:g}" if isinstance(value, float) else str(value)
+        return Path(value[0]).stem if isinstance(value[0], str) else "x".join(f"{part:.12g}" for part in value)
+    return f"{value:.12g}" if isinstance(value, float) else str(value)

@@ -7,6 +7,7 @@ Source: the specification, and its extension TASK_CHUNKING, at github.com/OpenJo
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,5 +80,5 @@ def write(path: Path, job: Path, output: Path, tasks: Sequence[Task], first: int
 
 def _default(path: str, folder: Path) -> dict[str, str]:
     """Farms take no default that is outside the template's folder."""
-    found = Path(path)
+    found, folder = (Path(os.path.normpath(one)) for one in (path, folder))
     return {"default": found.relative_to(folder).as_posix()} if found.is_relative_to(folder) else {}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import psutil
 
-from .child import Child, ChildLostError, sweep
+from .child import Child, ChildLostError, sweep, sweep_scratch
 from .outcome import Outcome
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Limits:
     @property
     def threads(self) -> int:
         """Of each process, so that all together keep every core busy."""
-        return max(1, cores() // self.workers)
+        return -(-cores() // self.workers)
 
     def is_used_up(self, child: Child) -> bool:
         """Whether a process makes room for a new one."""
@@ -72,6 +72,7 @@ def outcomes(tasks: Sequence[Task], folder: Path, versions: Mapping[str, str], l
     processes. OSError if the folder cannot be written, RuntimeError if Blender does not start.
     """
     sweep(folder)
+    sweep_scratch()
     pool = _Pool(tasks, folder, versions, limit)
     threads = [threading.Thread(target=pool.work, daemon=True) for _ in range(limit.workers)]
     try:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import math
 from collections import Counter
+from contextlib import suppress
 from statistics import median
 from typing import TYPE_CHECKING
 
@@ -31,18 +32,30 @@ BYTES = {"exr": 12, "png": 3}  # a pixel, before compression
 
 
 def write(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]) -> None:
-    """A row a task, in the order of the job. A task by its name; one without an outcome was not come to."""
+    """A row a task, in the order of the job. A task by its name.
+
+    One without an outcome was not come to: it keeps the row that the table has of it, else it is "left".
+    """
+    before = {row.get("task"): row for row in _rows(path)}
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(HEAD)
         for name, task in tasks.items():
             one = outcomes.get(name)
             if one is None:
-                rows.writerow([name, "left", "", "", "", "", "", "", task.label, ""])
+                kept = before.get(name, {"task": name, "status": "left", "label": task.label})
+                rows.writerow([kept.get(head, "") for head in HEAD])
                 continue
             numbers = [f"{one.seconds:.3f}", f"{one.render_seconds:.3f}", one.samples or ""]
             numbers += ["" if math.isnan(one.error) else f"{one.error:.4g}", f"{one.memory / 1e6:.0f}", one.tries]
             rows.writerow([name, one.status, *numbers, task.label, one.reason])
+
+
+def keep(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]) -> None:
+    """``write`` after work that was ended, perhaps as nothing could be written any more."""
+    if outcomes:
+        with suppress(OSError):
+            write(path, tasks, outcomes)
 
 
 def summary(outcomes: Sequence[Outcome]) -> Table:
@@ -70,14 +83,14 @@ def failures(tasks: Mapping[str, Task], outcomes: Sequence[Outcome]) -> Table:
     return made
 
 
-def plan(tasks: Sequence[Task]) -> Table:
-    """The tasks in words, the first and last of many."""
+def plan(tasks: Sequence[Task], first: int = 1) -> Table:
+    """The tasks in words, the first and last of many, numbered from ``first``."""
     made = Table("", "task", "samples", "resolution")
     for index, task in enumerate(tasks, 1):
         if index <= MOST_ROWS or index == len(tasks):
             size = "x".join(map(str, task.resolution)) if task.resolution else "the scene's"
             samples = f"to {task.error:.2g}" if task.error else str(task.samples or "the scene's")
-            made.add_row(str(index), escape(task.label), samples, size)
+            made.add_row(str(first + index - 1), escape(task.label), samples, size)
         elif index == MOST_ROWS + 1:
             made.add_row("...")
     return made
@@ -100,16 +113,17 @@ def rays(task: Task) -> float:
     return math.prod(task.resolution) * float(samples or 0)
 
 
-def estimate(tasks: Mapping[str, Task], before: Mapping[str, float], workers: int) -> str:
+def estimate(tasks: Mapping[str, Task], before: Mapping[str, float], workers: int, threads: int = 1) -> str:
     """How long what is left of the tasks takes. before: seconds of those that were rendered already, by name.
 
-    They say how fast this scene and machine are; without them it is the speed of the preview scene.
+    They say how fast this scene and machine are; without them it is the speed of the preview scene, by processes of so
+    many threads.
     """
     told = {name: rays(task) for name, task in tasks.items()}
     left = [told[name] for name in tasks if name not in before and not math.isnan(told[name])]
     done = [name for name in before if not math.isnan(told.get(name, math.nan))]
     cast = sum(told[name] for name in done)
-    speed = cast / max(sum(before[name] for name in done) - EACH * len(done), 1e-9) if cast else RAYS
+    speed = cast / max(sum(before[name] for name in done) - EACH * len(done), 1e-9) if cast else RAYS * threads
     seconds = START * bool(left) + sum(EACH + one / speed for one in left) / workers
     unknown = len(tasks) - len(before) - len(left)
     source = f"by the speed of {len(done)} that are there" if cast else "by the speed of the preview scene"
@@ -128,8 +142,17 @@ def read_seconds(folder: Path) -> dict[str, float]:
     """Of each task that the tables in a folder say was rendered, by its name."""
     found = {}
     for path in folder.glob("results*.csv"):
-        with path.open(newline="", encoding="utf-8") as file:
-            for row in csv.DictReader(file):
-                if row.get("status") in {"rendered", "there"}:
+        for row in _rows(path):
+            with suppress(KeyError, TypeError, ValueError):  # someone has edited it
+                if row["status"] in {"rendered", "there"}:
                     found[row["task"]] = float(row["seconds"])
     return found
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    """Of a table, which a spreadsheet may have saved."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            return list(csv.DictReader(file))
+    except (OSError, UnicodeDecodeError, csv.Error):
+        return []

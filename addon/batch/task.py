@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import tempfile
 import threading
 import time
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,14 +18,14 @@ import bpy
 
 from ...nodegroups.osl_script import OslError
 from .. import scene
-from ..images import SPARE, attribute, load, save
+from ..images import SPARE, attribute, digest, digest_of_values, load, save
 from ..material import MaterialError
 from ..scene import SceneError
 from ..sequence import SEED_STEP, is_done
 from . import memory
 from .job import digest_of
 from .mean import Mean
-from .outcome import RECORD, Outcome
+from .outcome import RECORD, Outcome, read_record
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 
     from .job import Task
 
+PHYSICS = {"CLOTH", "SOFT_BODY", "FLUID", "PARTICLE_SYSTEM", "DYNAMIC_PAINT", "COLLISION"}  # modifiers
+SIMULATIONS = {"GeometryNodeSimulationOutput", "GeometryNodeBake"}
 FIRST, GROWTH = 16, 4  # samples of a picture towards an error, and how much each may add to all before
 LONGEST = 2**16  # samples at which the way to an error ends
 
@@ -50,6 +53,7 @@ class Renderer:
         self.writing = threading.Lock()  # held while files are half written
         self._wanted: object = None  # what the open scene was opened for
         self._own = 0, 0, (0, 0)  # frame, samples and resolution that its file has
+        self._frame: int | None = None  # the one that it must not leave
         self._materials: dict[str, Material] = {}  # of the tasks, by object
         self._outside: dict[str, str] = {}  # files that it reads, as from its folder, and the digest of each
 
@@ -58,32 +62,33 @@ class Renderer:
         start = time.perf_counter()
         try:
             return self.render(task)
-        except (SceneError, MaterialError, OslError, RuntimeError, MemoryError) as error:
+        except OSError:
+            raise
+        except Exception as error:  # noqa: BLE001 - whatever a scene may hold, the rest goes on
             self._wanted = None  # whatever state the scene is in now
             _check_disk(Path(tempfile.gettempdir()))
             reason = " ".join(str(error).split()) or type(error).__name__
             # Bad input stays bad; what Blender itself stumbled over may go well another time.
-            status = "stumbled" if isinstance(error, (RuntimeError, MemoryError)) else "failed"
+            status = "failed" if isinstance(error, (SceneError, MaterialError, OslError)) else "stumbled"
             return Outcome(task.identity(self.versions), status, time.perf_counter() - start, reason=reason)
 
     def render(self, task: Task) -> Outcome:
         """The task's files in the folder, each whole or not at all; those that are there and whole are kept."""
         name = task.identity(self.versions)
         paths = [self.folder / f"{name}.{ending}" for ending in task.outputs]
-        note = f"vgroove {name}"
-        missing = [path for path in paths if not self._is_done(path, note, task)]
         exact = self.folder / f"{name}.exr"
-        if not missing or self._is_done(exact, note, task):
-            record = attribute(exact if missing else paths[0], RECORD)
+        missing = [path for path in paths if self._record(path, name, task) is None]
+        record = self._record(exact if missing else paths[0], name, task)
+        if record is not None:
             if missing:  # an earlier job wanted no PNG
-                self._save(missing, load(exact), self._scene(task), note, record)
-            return Outcome(**json.loads(record)["outcome"] | {"status": "there"})
+                self._save(missing, load(exact), self._scene(task), name, attribute(exact, RECORD))
+            return replace(record["outcome"], status="there")
         start = time.perf_counter()
         memory.reset_peak()
         shown = self._scene(task)
         frame, samples, resolution = self._own
         shown.frame_set(frame if task.frame is None else task.frame)
-        scene.assign(shown, task.given, task.backend, task.estimator, task.bound, into=self._materials)
+        scene.assign(shown, sorted(task.given), task.backend, task.estimator, task.bound, into=self._materials)
         began = time.perf_counter()
         size = task.resolution or resolution
         if task.error is None:
@@ -91,58 +96,94 @@ class Renderer:
         else:
             mean = _to_error(shown, task.error, task.seed, size)
         rendered = time.perf_counter()
+        absent = ", ".join(file for file, digest in self._outside.items() if not digest)
         outcome = Outcome(
-            name, "rendered", rendered - start, rendered - began, mean.samples, mean.error, memory.peak()
+            name, "rendered", rendered - start, rendered - began, mean.samples, mean.error, memory.peak(),
+            f"without files that are missing: {absent}" if absent else "",
         )  # fmt: skip
-        record = {
-            "outcome": asdict(outcome), "labels": dict(task.labels), "task": task.content(),
-            "versions": self.versions, "files": self._outside,
-        }  # fmt: skip
-        self._save(paths, mean.picture, shown, note, json.dumps(record))
+        picture = mean.picture
+        text = json.dumps({
+            "outcome": outcome.as_json(), "labels": dict(task.labels), "task": task.content(),
+            "versions": self.versions, "files": self._outside, "pixels": digest_of_values(picture),
+        })  # fmt: skip
+        self._save(paths, picture, shown, name, text)
         return outcome
 
-    def _save(self, paths: Iterable[Path], picture: NDArray[np.float32], shown: Scene, note: str, record: str) -> None:
+    def _save(self, paths: Iterable[Path], picture: NDArray[np.float32], shown: Scene, name: str, record: str) -> None:
         with self.writing:
             for path in paths:
-                save(path, picture, shown, {"Note": note, RECORD: record})
+                save(path, picture, shown, {"Note": _note(name), RECORD: record})
+
+    def _record(self, path: Path, name: str, task: Task) -> dict[str, Any] | None:
+        """The record of a picture if it is the task's, whole, and what its scene reads from other files is the same."""
+        record = read_record(attribute(path, RECORD)) if is_done(path, _note(name)) else None
+        if record is None or (path.suffix == ".exr" and digest(path) != record.get("pixels")):
+            return None
+        folder = Path(task.scene).parent
+        same = all(digest_of(folder / file) == known for file, known in record["files"].items())
+        return record if same else None
+
+    def _leaves_frame(self, task: Task) -> bool:
+        frame = self._own[0] if task.frame is None else task.frame
+        return self._frame is not None and frame != self._frame
 
     def _scene(self, task: Task) -> Scene:
         """The task's scene, as its file has it but for the objects that the task gives materials to."""
         wanted = task.place
-        if wanted != self._wanted:
+        if wanted != self._wanted or self._leaves_frame(task):
             self._wanted = None  # nothing, should opening fail
             shown = _opened(task) if task.digest else scene.preview()
+            _leave_out(shown)
             render = shown.render
             size = (side * render.resolution_percentage // 100 for side in (render.resolution_x, render.resolution_y))
-            _leave_out_passes(shown)
             render.use_persistent_data = True  # only what changes from task to task is given to Cycles anew
             render.threads_mode, render.threads = ("FIXED", self.threads) if self.threads else ("AUTO", 1)
             self._wanted, self._own = wanted, (shown.frame_current, shown.cycles.samples, tuple(size))
+            frame = shown.frame_current if task.frame is None else task.frame
+            self._frame = frame if _remembers(shown) else None
             self._materials, self._outside = {}, _files_outside(Path(task.scene)) if task.digest else {}
         return bpy.context.scene
 
-    def _is_done(self, path: Path, note: str, task: Task) -> bool:
-        """Whether a picture is the task's, and what its scene reads from other files is what it was then."""
-        if not is_done(path, note):
-            return False
-        outside = json.loads(attribute(path, RECORD) or "{}").get("files", {})
-        folder = Path(task.scene).parent
-        return all(digest_of(folder / name) == digest for name, digest in outside.items())
+
+def _note(name: str) -> str:
+    return f"vgroove {name}"
 
 
 def _opened(task: Task) -> Scene:
-    if digest_of(Path(task.scene)) != task.digest:
-        message = f"{task.scene}: has changed since the job was read; give the same command again"
+    found = digest_of(Path(task.scene))
+    if found != task.digest:
+        what = "has changed since the job was read; give the same command again" if found else "cannot be read here"
+        message = f"{task.scene}: {what}"
         raise SceneError(message)
     return scene.opened(Path(task.scene))
 
 
+def _remembers(shown: Scene) -> bool:
+    """Whether what a scene shows at a frame depends on those before: physics, and in Cycles what comes and goes."""
+    strips = [strip for action in bpy.data.actions for layer in action.layers for strip in layer.strips]
+    paths = [curve.data_path for strip in strips for bag in strip.channelbags for curve in bag.fcurves]
+    owners = (*bpy.data.objects, *bpy.data.collections, *bpy.data.scenes)
+    paths += [one.data_path for owner in owners if owner.animation_data for one in owner.animation_data.drivers]
+    physics = any(one.type in PHYSICS for item in shown.objects for one in item.modifiers)
+    simulated = any(node.bl_idname in SIMULATIONS for tree in bpy.data.node_groups for node in tree.nodes)
+    return bool(shown.rigidbody_world) or physics or simulated or any("hide_" in path for path in paths)
+
+
 def _files_outside(blend: Path) -> dict[str, str]:
-    """What the open .blend reads from other files, as textures and libraries: as from its folder, with digests."""
-    found = sorted({Path(bpy.path.abspath(path)) for path in bpy.utils.blend_paths(absolute=True, packed=False)})
+    """What the open .blend reads from other files, as textures and libraries: as from its folder, with digests.
+
+    The digest of a file that is missing is empty.
+    """
+    named = {Path(bpy.path.abspath(path)) for path in bpy.utils.blend_paths(absolute=True, packed=False)}
+    for image in bpy.data.images:
+        if image.source in {"TILED", "SEQUENCE"} and image.filepath and not image.packed_file:
+            path = Path(bpy.path.abspath(image.filepath, library=image.library))
+            digits = re.compile(r"<UDIM>|<UVTILE>|\d+(?=\D*$)")
+            named.discard(path)
+            named |= set(path.parent.glob(digits.sub("*", path.name)))
     own = scene.blender_folders()  # whose content the version names
-    files = [path for path in found if path.is_file() and path != blend and not any(map(path.is_relative_to, own))]
-    return {os.path.relpath(path, blend.parent): digest_of(path) for path in files}
+    found = [path for path in sorted(named) if path != blend and not any(map(path.is_relative_to, own))]
+    return {os.path.relpath(path, blend.parent): digest_of(path) for path in found}
 
 
 def _obstacle(shown: Scene) -> str:
@@ -154,6 +195,7 @@ def _obstacle(shown: Scene) -> str:
         "renders a subset of its samples": cycles.use_sample_subset,
         "has a compositor": scene.composites(shown),
         "has strips in its sequencer": render.use_sequencer and scene.has_strips(shown),
+        "guides its paths": cycles.use_guiding,
     }
     return next((what for what, is_so in found.items() if is_so), "")
 
@@ -193,16 +235,21 @@ def _to_error(shown: Scene, error: float, seed: int, resolution: tuple[int, int]
     return mean
 
 
-def _picture(shown: Scene, samples: int, seed: int, resolution: tuple[int, int]) -> Any:
+def _picture(shown: Scene, samples: int, seed: int, resolution: tuple[int, int]) -> NDArray[np.float32]:
     with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
         path = Path(folder) / "task.exr"
-        scene.still(shown, path, samples=samples, seed=seed, resolution=resolution)
+        try:
+            scene.still(shown, path, samples=samples, seed=seed, resolution=resolution)
+        except FileNotFoundError as error:  # not of our folder
+            message = "Blender rendered no picture"
+            raise RuntimeError(message) from error
         return load(path)
 
 
-def _leave_out_passes(shown: Scene) -> None:
-    """Switch off the passes beside the picture itself, unless the compositor may make something of them."""
-    if scene.composites(shown):
+def _leave_out(shown: Scene) -> None:
+    """What would make a picture another one each time, and passes that nothing uses beside the picture itself."""
+    shown.cycles.time_limit = 0.0
+    if scene.composites(shown):  # which may make something of the passes
         return
     for layer in shown.view_layers:
         for owner in (layer, layer.cycles):
