@@ -195,7 +195,7 @@ def render(
     if not span:
         with headless.quiet():
             scene.still(shown, output, samples=samples, seed=seed, resolution=size)
-        err.print(f"wrote {output}", highlight=False, soft_wrap=True)
+        _say(f"wrote {output}")
         return
     source = hashlib.sha256(Path(what).read_bytes()).hexdigest() if is_scene else ""
     wanted = [
@@ -207,13 +207,13 @@ def render(
     if strip:
         with headless.quiet():
             _strip(paths, span, changed, strip)
-        err.print(f"wrote {strip}", highlight=False, soft_wrap=True)
+        _say(f"wrote {strip}")
     if movie:
         from . import sequence
 
         with headless.quiet():
             sequence.movie(paths, movie, fps)
-        err.print(f"wrote {movie}", highlight=False, soft_wrap=True)
+        _say(f"wrote {movie}")
 
 
 def _check_outputs(
@@ -255,14 +255,16 @@ def _all_changed(
 
 
 def _sequence(shown: Any, span: list[int], output: Path, wanted: Any, **settings: Any) -> None:
-    from . import headless, sequence
+    from . import headless, scene, sequence
 
+    if not scene.remembers(shown):
+        shown.render.use_persistent_data = True  # Cycles is given only what changes from frame to frame
     kept, note = 0, sequence.note(wanted)
     for frame in _progress(span, "rendering", len(span)):
         with headless.quiet():
             kept += sequence.frame_to(shown, frame, _numbered(output, frame), note, **settings)
     left = f", {kept} of them there already" if kept else ""
-    err.print(f"wrote {len(span)} frames, {output}{left}", highlight=False, soft_wrap=True)
+    _say(f"wrote {len(span)} frames, {output}{left}")
 
 
 def _strip(paths: list[Path], span: list[int], changed: list[tuple[str, Preset]], output: Path) -> None:
@@ -354,7 +356,7 @@ def measure(
     }  # fmt: skip
     with replacing(output) as temporary:
         images.write(temporary, image, attributes)
-    err.print(f"wrote {output}", highlight=False, soft_wrap=True)
+    _say(f"wrote {output}")
 
 
 @app.command()

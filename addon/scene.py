@@ -29,6 +29,8 @@ SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
 LAMP_SIZE = 0.05  # metres: what "Give lamps a size" gives points and spots
 MEASURED_SAMPLES = 4096  # to which docs/error.md goes
 WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
+PHYSICS = {"CLOTH", "SOFT_BODY", "FLUID", "PARTICLE_SYSTEM", "DYNAMIC_PAINT", "COLLISION"}  # modifiers
+SIMULATIONS = {"GeometryNodeSimulationOutput", "GeometryNodeBake"}
 FORMATS = {".exr": "OPEN_EXR", ".png": "PNG"}
 
 
@@ -490,6 +492,17 @@ def has_strips(scene: Scene) -> bool:
     """Whether the sequencer has anything to show in place of the scene."""
     editor = scene.sequence_editor
     return editor is not None and len(editor.strips) > 0
+
+
+def remembers(scene: Scene) -> bool:
+    """Whether what a scene shows at a frame depends on those before: physics, and in Cycles what comes and goes."""
+    strips = [strip for action in bpy.data.actions for layer in action.layers for strip in layer.strips]
+    paths = [curve.data_path for strip in strips for bag in strip.channelbags for curve in bag.fcurves]
+    owners = (*bpy.data.objects, *bpy.data.collections, *bpy.data.scenes)
+    paths += [one.data_path for owner in owners if owner.animation_data for one in owner.animation_data.drivers]
+    physics = any(one.type in PHYSICS for item in scene.objects for one in item.modifiers)
+    simulated = any(node.bl_idname in SIMULATIONS for tree in bpy.data.node_groups for node in tree.nodes)
+    return bool(scene.rigidbody_world) or physics or simulated or any("hide_" in path for path in paths)
 
 
 # Stills

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 
     from .job import Task
 
-PHYSICS = {"CLOTH", "SOFT_BODY", "FLUID", "PARTICLE_SYSTEM", "DYNAMIC_PAINT", "COLLISION"}  # modifiers
-SIMULATIONS = {"GeometryNodeSimulationOutput", "GeometryNodeBake"}
 FIRST, GROWTH = 16, 4  # samples of a picture towards an error, and how much each may add to all before
 LONGEST = 2**16  # samples at which the way to an error ends
 
@@ -140,7 +138,7 @@ class Renderer:
             render.threads_mode, render.threads = ("FIXED", self.threads) if self.threads else ("AUTO", 1)
             self._wanted, self._own = wanted, (shown.frame_current, shown.cycles.samples, tuple(size))
             frame = shown.frame_current if task.frame is None else task.frame
-            self._frame = frame if _remembers(shown) else None
+            self._frame = frame if scene.remembers(shown) else None
             self._materials, self._outside = {}, _files_outside(Path(task.scene)) if task.digest else {}
         return bpy.context.scene
 
@@ -156,17 +154,6 @@ def _opened(task: Task) -> Scene:
         message = f"{task.scene}: {what}"
         raise SceneError(message)
     return scene.opened(Path(task.scene))
-
-
-def _remembers(shown: Scene) -> bool:
-    """Whether what a scene shows at a frame depends on those before: physics, and in Cycles what comes and goes."""
-    strips = [strip for action in bpy.data.actions for layer in action.layers for strip in layer.strips]
-    paths = [curve.data_path for strip in strips for bag in strip.channelbags for curve in bag.fcurves]
-    owners = (*bpy.data.objects, *bpy.data.collections, *bpy.data.scenes)
-    paths += [one.data_path for owner in owners if owner.animation_data for one in owner.animation_data.drivers]
-    physics = any(one.type in PHYSICS for item in shown.objects for one in item.modifiers)
-    simulated = any(node.bl_idname in SIMULATIONS for tree in bpy.data.node_groups for node in tree.nodes)
-    return bool(shown.rigidbody_world) or physics or simulated or any("hide_" in path for path in paths)
 
 
 def _files_outside(blend: Path) -> dict[str, str]:
