@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from vgroove.addon import cli
 from vgroove.addon.batch import results
 from vgroove.addon.batch.job import DEFAULTS, JobError, load, parse
 from vgroove.addon.preset_checks import LONGEST_MESSAGE, PresetError
@@ -207,6 +208,19 @@ def test_what_does_not_hold_is_one_line(table):
         tasks(table)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) <= LONGEST_MESSAGE
+
+
+@pytest.mark.parametrize("table", MALFORMED)
+def test_the_command_ends_with_it_and_exit_code_2(table, tmp_path, capsys, monkeypatch):
+    """And has written nothing."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "job.toml").write_text("[[render]]\n" + table, encoding="utf-8")
+    assert cli._run(lambda: cli.app(["batch", "job.toml", "-o", "out"], standalone_mode=False)) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("vgroove: job.toml: ")
+    assert said.err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["job.toml"]
 
 
 def test_there_are_a_hundred_of_them():

@@ -210,6 +210,10 @@ def test_a_scene_that_changed_meanwhile_is_not_taken_for_the_one_that_was_named(
     (found,) = pool.outcomes(tasks, folder / "out", VERSIONS, limits())
     assert (found.status, found.tries) == ("failed", 1)
     assert "has changed since the job was read" in found.reason
+    (folder / "bare.blend").unlink()
+    (found,) = pool.outcomes(tasks, folder / "out", VERSIONS, limits())
+    assert (found.status, found.tries) == ("failed", 1)
+    assert found.reason == f"{folder / 'bare.blend'}: cannot be read here"
 
 
 def test_what_was_killed_with_its_parent_is_swept(tmp_path, monkeypatch):
