@@ -8,12 +8,15 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import psutil
 import pytest
 
+from vgroove.addon.batch import cluster as cluster_of_tasks
 from vgroove.addon.batch import openjd
 from vgroove.addon.batch.job import JobError, parse
+from vgroove.addon.batch.pool import Limits
 
 pytestmark = pytest.mark.blender
 
@@ -163,6 +166,17 @@ def test_a_scheduler_that_is_killed_is_told_and_the_rest_is_finished(folder, clu
     assert process.returncode == 0, errors
     assert f"{before} of them there already" in errors
     same_as_quiet(stills(folder), parse(job, "job", folder))
+
+
+def test_a_machine_of_another_blender_ends_the_work(folder, monkeypatch):
+    """Rather than use up the tries of tasks; so does one that does not see the folder."""
+    monkeypatch.setattr("distributed.get_worker", lambda: SimpleNamespace(address="tcp://farm:1"))
+    (task,) = parse(JOB, "job", folder)
+    limit = Limits(1, 0)
+    with pytest.raises(RuntimeError, match=r"tcp://farm:1 has Blender .*, and 1\.0 was asked for; take it out"):
+        cluster_of_tasks.render_on_worker(task, folder, {"blender": "1.0"}, limit, {})
+    with pytest.raises(FileNotFoundError, match=r"there is no such folder on tcp://farm:1"):
+        cluster_of_tasks.render_on_worker(task, folder / "none", {}, limit, {})
 
 
 def test_no_scheduler_is_one_line(folder):

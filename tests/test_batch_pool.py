@@ -16,7 +16,7 @@ import psutil
 import pytest
 
 from vgroove.addon.batch import child as batch_child
-from vgroove.addon.batch import pool
+from vgroove.addon.batch import memory, pool
 from vgroove.addon.batch.job import parse
 from vgroove.addon.files import NODE
 
@@ -216,6 +216,16 @@ def test_a_scene_that_changed_meanwhile_is_not_taken_for_the_one_that_was_named(
     assert found.reason == f"{folder / 'bare.blend'}: cannot be read here"
 
 
+def test_a_container_has_what_it_was_given(tmp_path, monkeypatch):
+    """Where it was given less than the machine has left."""
+    monkeypatch.setattr(memory, "_GROUP", tmp_path)
+    whole = psutil.virtual_memory().available
+    for most, expected in (("3000000", 2_000_000), ("1", 0), ("max", None), (str(10**18), None)):
+        (tmp_path / "memory.max").write_text(most)
+        (tmp_path / "memory.current").write_text("1000000\n")
+        assert memory.free() == (pytest.approx(whole, rel=0.5) if expected is None else expected)
+
+
 def test_what_was_killed_with_its_parent_is_swept(tmp_path, monkeypatch):
     """Folders of processes whose parent is gone, and no others."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
@@ -244,7 +254,7 @@ def test_what_old_processes_left_half_written_is_swept(tmp_path):
 
 def test_the_machine_decides_what_is_not_given():
     """As many processes as cores and memory allow and tasks need."""
-    free = psutil.virtual_memory().available
+    free = memory.free()
     assert pool.limits(1).workers == 1
     assert 1 <= pool.limits(1000).workers <= pool.cores()
     assert pool.limits(1000, memory=int(free * 0.7)).workers == 1

@@ -11,11 +11,11 @@ import re
 import threading
 from collections import Counter
 from dataclasses import replace
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-import psutil
-
+from . import memory
 from .child import Child, ChildLostError, sweep
 from .outcome import Outcome
 from .pool import Limits, Tries
@@ -107,12 +107,17 @@ def render_on_worker(
     """The outcome of a task; "stumbled" if its process was lost. neighbours: workers of each host."""
     from distributed import get_worker
 
+    here = version("bpy")
+    if versions.get("blender", here) != here:
+        message = f"{get_worker().address} has Blender {here}, and {versions['blender']} was asked for; "
+        message += "take it out of the cluster, or give the command with its Blender"
+        raise RuntimeError(message)
     if not folder.is_dir():
         message = f"{folder}: there is no such folder on {get_worker().address}; use one that all machines share"
         raise FileNotFoundError(message)
     host = str(urlsplit(get_worker().address).hostname)
     workers = max(1, neighbours.get(host, 1))
-    limit = replace(limit, workers=workers, memory=limit.memory or psutil.virtual_memory().available // workers)
+    limit = replace(limit, workers=workers, memory=limit.memory or memory.free() // workers)
     with _LOCK:
         kind = folder, tuple(sorted(versions.items()))
         child = _children.pop(kind, None)

@@ -11,8 +11,7 @@ from collections import defaultdict, deque
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import psutil
-
+from . import memory as memory_of
 from .child import Child, ChildLostError, sweep, sweep_scratch
 from .outcome import Outcome
 
@@ -59,7 +58,7 @@ def cores() -> int:
 
 def limits(tasks: int, workers: int | None = None, memory: int | None = None, **others: Any) -> Limits:
     """By the machine where None: a process a core, as far as memory goes, and an even share of what memory is free."""
-    free = psutil.virtual_memory().available
+    free = memory_of.free()
     most = min(cores(), int(free // (memory or TYPICAL)))
     workers = max(1, min(workers or most, tasks))
     return Limits(workers, memory or free // workers, **others)
