@@ -114,8 +114,10 @@ class Renderer:
 
     def _record(self, path: Path, name: str, task: Task) -> dict[str, Any] | None:
         """The record of a picture if it is the task's, whole, and what its scene reads from other files is the same."""
-        record = read_record(attribute(path, RECORD)) if is_done(path, _note(name)) else None
-        if record is None or (path.suffix == ".exr" and digest(path) != record.get("pixels")):
+        record = read_record(attribute(path, RECORD)) if path.is_file() else None
+        if record is None or record["outcome"].name != name:
+            return None
+        if not (digest(path) == record.get("pixels") if path.suffix == ".exr" else is_done(path, _note(name))):
             return None
         folder = Path(task.scene).parent
         same = all(digest_of(folder / file) == known for file, known in record["files"].items())
