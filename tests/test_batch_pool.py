@@ -181,7 +181,8 @@ def test_ctrl_c_stops_cleanly(folder, family):
     assert not psutil.wait_procs(children, timeout=10)[1]
     done = [row for row in rows(folder) if row["status"] == "rendered"]
     assert {row["status"] for row in rows(folder)} == {"rendered", "left"}
-    assert 1 <= len(done) <= len(stills(folder)) < 200
+    assert done
+    assert len(done) <= len(stills(folder)) < 200
     assert not list((folder / "out").glob(".*"))
 
 
@@ -256,7 +257,7 @@ def test_the_machine_decides_what_is_not_given():
     """As many processes as cores and memory allow and tasks need."""
     free = memory.free()
     assert pool.limits(1).workers == 1
-    assert 1 <= pool.limits(1000).workers <= pool.cores()
+    assert pool.limits(1000).workers in range(1, pool.cores() + 1)
     assert pool.limits(1000, memory=int(free * 0.7)).workers == 1
     given = pool.limits(1000, workers=7)
     assert (given.workers, given.threads) == (7, max(1, pool.cores() // 7))

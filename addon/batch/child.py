@@ -183,7 +183,6 @@ def main() -> None:
     from .. import headless
 
     headless.prepare()
-    _check_version(versions.get("blender"))
     from .task import Renderer
 
     renderer = Renderer(folder, versions, threads)
@@ -196,16 +195,6 @@ def main() -> None:
         except OSError as error:
             found = OSError(" ".join(str(error).split()))  # as text: not every error can be pickled
         _answer(answers, found)
-
-
-def _check_version(wanted: str | None) -> None:
-    """Pictures name the version that rendered them: on another machine it may be another."""
-    import bpy
-
-    here = ".".join(map(str, bpy.app.version))
-    if wanted not in {None, here}:
-        message = f"Blender {wanted} was asked for, and here is {here}"
-        raise SystemExit(message)
 
 
 def _answer(answers: IO[bytes], what: Any) -> None:

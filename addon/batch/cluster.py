@@ -107,7 +107,7 @@ def render_on_worker(
     """The outcome of a task; "stumbled" if its process was lost. neighbours: workers of each host."""
     from distributed import get_worker
 
-    here = version("bpy")
+    here = version("bpy")  # pictures name the version that rendered them
     if versions.get("blender", here) != here:
         message = f"{get_worker().address} has Blender {here}, and {versions['blender']} was asked for; "
         message += "take it out of the cluster, or give the command with its Blender"

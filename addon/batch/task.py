@@ -94,7 +94,7 @@ class Renderer:
         else:
             mean = _to_error(shown, task.error, task.seed, size)
         rendered = time.perf_counter()
-        absent = ", ".join(file for file, digest in self._outside.items() if not digest)
+        absent = ", ".join(file for file, known in self._outside.items() if not known)
         outcome = Outcome(
             name, "rendered", rendered - start, rendered - began, mean.samples, mean.error, memory.peak(),
             f"without files that are missing: {absent}" if absent else "",
