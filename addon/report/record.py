@@ -64,7 +64,8 @@ class Record:
 def begun(path: Path, versions: dict[str, str], *, quick: bool) -> Record:
     """The record at ``path``, gone on with if there is one; what another vgroove measured there is not mixed in."""
     blender = versions["blender"]
-    content = read(path) if path.exists() else {"format": FORMAT, "machine": machine(), "runs": {}}
+    new: dict[str, Any] = {"format": FORMAT, "machine": machine(), "runs": {}}
+    content = read(path) if path.exists() else new
     if content["machine"] != machine():
         message = f"{path}: was measured on another machine; choose another folder with -o"
         raise ReportError(message)
