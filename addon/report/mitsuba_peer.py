@@ -1,0 +1,352 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The peer Mitsuba 3, on the scenes that it and Cycles can both express. Imports no bpy until a ``Peer`` begins.
+
+Mitsuba runs in a process of its own, which stays warm: its libraries and Blender's must not meet in one. Requests go
+down its standard input, pictures come up its standard output, pickled.
+
+The scenes are those of scenes.py, with three differences: the ball is a sphere where Cycles has a fine smooth mesh;
+a pixel is a box, of a pixel's width, where Cycles' filter reaches into the neighbours; and the environment map is cut
+off at its brightest before it is interpolated. Paths are as long as Blender's defaults let them be. The sampler is
+Mitsuba's best on the softbox of those that take any number of samples: at 64 its noise is a quarter of the default's.
+
+The variant that compiles is twice as fast as the plain one, where LLVM is new enough for it (DRJIT_LIBLLVM_PATH names
+another than the system's): it is tried first, in a process that may end over it.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from functools import cache
+from math import atan, degrees, pi, radians, tan
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, Self
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from .. import presets
+from ..reference.fresnel import fresnel_conductor, schlick
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from numpy.typing import NDArray
+
+VARIANTS = ("llvm_ad_rgb", "scalar_rgb")  # the quickest first
+BALLS = ("environment", "softbox", "sun")  # scenes of a ball alone
+GLASSES = ("glass", "frosted glass")
+SUBJECTS = {  # the preset, and its slope where that is another
+    "copper": ("lecture/copper", None),
+    "plastic": ("plastics/red_plastic", None),
+    "smooth plastic": ("plastics/red_plastic", 0.0),
+    "plaster": ("diffuse/plaster", None),
+    "glass": ("glasses/frosted_glass", 0.0),
+    "frosted glass": ("glasses/frosted_glass", None),
+}
+DIFFERS = {
+    "copper": (
+        "roughconductor: G is Smith's, apart for the two directions, in place of the V-groove's; F is that of a "
+        "conductor with Schlick's F0, whose n is chosen for the least difference, at most 0.007."
+    ),
+    "plastic": (
+        "roughplastic: G is Smith's; what enters the base passes the coat twice and is caught below it in part, where "
+        "ours is a sum of two lobes; the lobes have our weights."
+    ),
+    "smooth plastic": "plastic: as roughplastic, of a coat that is a mirror.",
+    "plaster": "diffuse: Lambert's law, as Mitsuba has no Oren-Nayar.",
+    "glass": "dielectric: the same model, of a smooth interface without absorption.",
+    "frosted glass": "roughdielectric: G is Smith's in place of the V-groove's, for what passes too.",
+}
+PAIRS = (
+    *((scene, subject) for scene in BALLS for subject in SUBJECTS if subject not in GLASSES),
+    *(("checker", subject) for subject in GLASSES),
+)
+LAST_WORDS = 300  # characters of what the process said last
+
+
+class PeerError(RuntimeError):
+    """Mitsuba cannot render that, or its process ended."""
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """A picture in linear RGB, (H, W, 3), and the seconds that its render took.
+
+    samples: a pixel, as the sampler rounded them up to a grid.
+    """
+
+    picture: NDArray[np.float64]
+    samples: int
+    wall: float
+    cpu: float
+
+
+class Peer:
+    """Mitsuba's process, seen from Blender's. A context; PeerError if Mitsuba does not start."""
+
+    def __enter__(self) -> Self:
+        from .. import images
+        from ..scene import environments
+
+        world = images.load(environments()["studio"])
+        for variant in VARIANTS:
+            self.variant = variant
+            self._begin(variant)
+            try:
+                self._send(world)
+                self.version: str = self._receive()
+                self.render("softbox", "copper", 1, 0, 8)
+            except PeerError:
+                self.close()
+                if variant == VARIANTS[-1]:
+                    raise
+            else:
+                return self
+        raise AssertionError
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def render(self, scene: str, subject: str, samples: int, seed: int, size: int) -> Rendered:
+        """One of ``PAIRS`` in ``size`` x ``size`` pixels. The time is that of the render alone, on all cores.
+
+        What a scene needs to load and a first render to compile comes before. PeerError if the process ends over it.
+        """
+        return self.render_material(scene, material(preset(subject)), samples, seed, size)
+
+    def render_material(self, scene: str, bsdf: dict[str, Any], samples: int, seed: int, size: int) -> Rendered:
+        """As ``render``, of any BSDF that Mitsuba has."""
+        self._send((scene, bsdf, samples, seed, size))
+        found = self._receive()
+        if isinstance(found, str):
+            raise PeerError(found)
+        return Rendered(*found)
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.kill()
+        self._process.communicate()
+        self._said.close()
+
+    def _begin(self, variant: str) -> None:
+        self._said = tempfile.TemporaryFile()
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", __name__, variant],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._said,
+        )
+
+    def _send(self, what: Any) -> None:
+        try:
+            pickle.dump(what, self._process.stdin)  # type: ignore[arg-type]
+            self._process.stdin.flush()  # type: ignore[union-attr]
+        except OSError as error:
+            raise self._lost() from error
+
+    def _receive(self) -> Any:
+        try:
+            return pickle.load(self._process.stdout)  # type: ignore[arg-type] # noqa: S301 - from our own process
+        except (EOFError, pickle.UnpicklingError) as error:
+            raise self._lost() from error
+
+    def _lost(self) -> PeerError:
+        code = self._process.wait()
+        self._said.seek(0)
+        words = " ".join(self._said.read().decode(errors="replace").split())[-LAST_WORDS:]
+        name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        return PeerError(f"Mitsuba's process ({self.variant}) ended ({name}): {words}")
+
+
+# What Mitsuba is given
+
+
+@cache
+def preset(subject: str) -> presets.Preset:
+    """The material of ours that a subject stands for."""
+    identity, m = SUBJECTS[subject]
+    found = presets.find(identity)
+    return found if m is None else found.with_parameters(m=m)
+
+
+def material(ours: presets.Preset) -> dict[str, Any]:
+    """The BSDF of Mitsuba that is nearest to a preset; ``DIFFERS`` says by what it is not the same."""
+    values: dict[str, Any] = ours.parameters
+    rough = {"distribution": "beckmann", "alpha": ours.m} if ours.m else {}
+    kind = "rough" if ours.m else ""
+    if ours.model == "oren_nayar":
+        return {"type": "diffuse", "reflectance": rgb(values["albedo"])}
+    if ours.model == "glass":
+        return {"type": f"{kind}dielectric", "int_ior": values["eta"], "ext_ior": 1.0, **rough}
+    if ours.model == "sum":
+        base = {"type": f"{kind}plastic", "int_ior": values["eta"], "ext_ior": 1.0, **rough}
+        diffuse = rgb(values["d"] * np.array(values["albedo"]))
+        return base | {"diffuse_reflectance": diffuse, "specular_reflectance": rgb([values["s"]] * 3)}
+    n, k = conductor_like(values["f0"])
+    return {"type": f"{kind}conductor", "eta": rgb(n), "k": rgb(k), **rough}
+
+
+def rgb(values: Any) -> dict[str, Any]:
+    return {"type": "rgb", "value": [float(v) for v in values]}
+
+
+@cache
+def conductor_like(f0: tuple[float, ...]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """n and k, per channel, of the conductor that reflects f0 head-on and is nearest to Schlick at all angles.
+
+    With r = sqrt(f0), n is between (1 - r) / (1 + r), where k is 0, and its inverse. The greatest difference over the
+    angles is what is made least.
+    """
+    cos = np.linspace(0.0, 1.0, 1001)
+    found = []
+    for f in f0:
+
+        def k_of(n: float, f: float = f) -> float:
+            return float(np.sqrt(max(f * (n + 1.0) ** 2 - (n - 1.0) ** 2, 0.0) / (1.0 - f)))
+
+        def worst(n: float, f: float = f) -> float:
+            return float(np.max(np.abs(fresnel_conductor(cos, n, k_of(n)) - schlick(cos, f))))
+
+        least = (1.0 - f**0.5) / (1.0 + f**0.5)
+        n = float(minimize_scalar(worst, bounds=(least, 1.0 / least), options={"xatol": 1e-8}).x)
+        found.append((n, k_of(n)))
+    n, k = zip(*found, strict=True)
+    return n, k
+
+
+# In the process itself
+
+BOUNCES = 12  # of Blender's defaults
+BRIGHTEST = 3.0
+FINER = 2  # times that the environment map is, so that its cut is as sharp as that of what is interpolated
+FAR = 1e4  # metres to the disc of the sun: a metre beside the ball's middle it has moved by 0.006 of its 0.53 degrees
+SUN_ANGLE = radians(0.53)
+
+
+def stage(mi: Any, name: str, bsdf: dict[str, Any], world: NDArray[np.float32], size: int) -> dict[str, Any]:
+    """A scene of scenes.py, as Mitsuba's dictionary."""
+    ball = {"type": "sphere", "center": [0.0, 0.0, 1.0], "bsdf": bsdf}
+    found = {"type": "scene", "ball": ball, "integrator": {"type": "path", "max_depth": BOUNCES + 1}}
+    eye = placed(mi, (0.0, -5.6, 2.6), 74.0) if name == "checker" else placed(mi, (0.0, -6.0, 1.0), 90.0)
+    film = {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb", "component_format": "float32"}
+    found["sensor"] = {
+        "type": "perspective",
+        "fov": degrees(2.0 * atan(36.0 / 2.0 / 90.0)),
+        "to_world": eye @ turned(mi),  # Blender's camera looks along -z, with x to the right
+        "film": film | {"rfilter": {"type": "box"}},
+        "sampler": {"type": "multijitter"},
+    }
+    if name in {"environment", "checker"}:
+        # Mitsuba's map has y up, and its middle column along z
+        axes = mi.ScalarTransform4f([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+        found["world"] = {"type": "envmap", "bitmap": mi.Bitmap(resampled(world)), "to_world": axes}
+    if name == "softbox":
+        found["lamp"] = lamp("rectangle", placed(mi, (1.3, -1.6, 2.6), 45.0, 39.0) @ turned(mi) @ scaled(mi, 0.5), 60.0 / pi)
+    if name == "sun":
+        found["world"] = {"type": "constant", "radiance": rgb([0.05] * 3)}
+        half = SUN_ANGLE / 2.0
+        above = placed(mi, (0.0, 0.0, 1.0), 45.0, 39.0) @ mi.ScalarTransform4f().translate([0.0, 0.0, FAR])
+        disc = above @ turned(mi) @ scaled(mi, FAR * tan(half))
+        found["lamp"] = lamp("disk", disc, 2.0 / (pi * np.sin(half) ** 2))
+    if name == "checker":
+        squares = {"type": "checkerboard", "color0": rgb([0.05] * 3), "color1": rgb([0.7] * 3)}
+        squares["to_uv"] = mi.ScalarTransform4f().scale([80.0, 80.0, 1.0])  # a pair of them each metre
+        floor = {"type": "rectangle", "to_world": scaled(mi, 40.0), "bsdf": {"type": "diffuse", "reflectance": squares}}
+        found["floor"] = floor
+    return found
+
+
+def lamp(shape: str, to_world: Any, radiance: float) -> dict[str, Any]:
+    """A black shape that shines along its z."""
+    black = {"type": "diffuse", "reflectance": rgb([0.0] * 3)}
+    shine = {"type": "area", "radiance": rgb([radiance] * 3)}
+    return {"type": shape, "to_world": to_world, "bsdf": black, "emitter": shine}
+
+
+def placed(mi: Any, location: tuple[float, float, float], x: float, z: float = 0.0) -> Any:
+    """Of an object in Blender, rotated by (x, 0, z) degrees."""
+    transform = mi.ScalarTransform4f()
+    return transform.translate(location) @ transform.rotate([0, 0, 1], z) @ transform.rotate([1, 0, 0], x)
+
+
+def turned(mi: Any) -> Any:
+    """From Blender, where cameras and lamps face along -z, to Mitsuba."""
+    return mi.ScalarTransform4f().rotate([0, 1, 0], 180.0)
+
+
+def scaled(mi: Any, factor: float) -> Any:
+    return mi.ScalarTransform4f().scale(factor)
+
+
+def resampled(world: NDArray[np.float32]) -> NDArray[np.float32]:
+    """An environment map as Cycles interpolates and the scene cuts it, on the lattice of Mitsuba's.
+
+    Rows are pixels' middles in Cycles, but begin and end at the poles in Mitsuba; columns are alike.
+    """
+    height, width, _ = world.shape
+    y = np.linspace(-0.5, height - 0.5, FINER * height + 1)
+    x = (np.arange(FINER * width) + 0.5) / FINER - 0.5
+    rows = _between(world, np.clip(y, 0.0, height - 1.0), height)
+    found = _between(rows.transpose(1, 0, 2), x, width).transpose(1, 0, 2)
+    return np.ascontiguousarray(np.minimum(found, BRIGHTEST), np.float32)
+
+
+def _between(lines: NDArray[np.float32], at: NDArray[np.float64], count: int) -> NDArray[np.float32]:
+    low = np.floor(at).astype(int)
+    share = (at - low)[:, None, None].astype(np.float32)
+    return (1.0 - share) * lines[low % count] + share * lines[(low + 1) % count]
+
+
+def main() -> None:
+    """Render what comes on standard input until that ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; who began this process ends it
+    answers = os.fdopen(os.dup(1), "wb")
+    with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
+        os.dup2(nowhere.fileno(), 1)  # where Mitsuba prints
+    import mitsuba as mi
+
+    mi.set_variant(sys.argv[1])
+    mi.set_log_level(mi.LogLevel.Error)
+    world = pickle.load(sys.stdin.buffer)  # noqa: S301 - from our own process
+    _answer(answers, mi.__version__)
+    compiles = not sys.argv[1].startswith("scalar")  # a kernel for each number of samples
+    loaded: dict[str, Any] = {}
+    warm: set[tuple[str, int]] = set()
+    while True:
+        try:
+            scene, bsdf, samples, seed, size = pickle.load(sys.stdin.buffer)  # noqa: S301 - from our own process
+        except EOFError:
+            return
+        key = repr((scene, bsdf, size))
+        try:
+            if key not in loaded:
+                loaded = {key: mi.load_dict(stage(mi, scene, bsdf, world, size))}
+                warm.clear()
+            shown = loaded[key]
+            first = samples if compiles else 1
+            if (key, first) not in warm:
+                np.array(mi.render(shown, spp=first, seed=seed))
+                warm.add((key, first))
+            wall, cpu = time.perf_counter(), time.process_time()
+            picture = np.array(mi.render(shown, spp=samples, seed=seed), np.float64)
+            taken = shown.sensors()[0].sampler().sample_count()
+            found: Any = picture, taken, time.perf_counter() - wall, time.process_time() - cpu
+        except (RuntimeError, ValueError) as error:
+            found = " ".join(str(error).split())
+        _answer(answers, found)
+
+
+def _answer(answers: IO[bytes], what: Any) -> None:
+    pickle.dump(what, answers)
+    answers.flush()
+
+
+if __name__ == "__main__":
+    main()
