@@ -31,6 +31,6 @@ def flip(reference: NDArray[np.floating], test: NDArray[np.floating]) -> float:
     if reference.shape != test.shape or reference.ndim != 3 or reference.shape[-1] != 3:
         message = f"FLIP compares two pictures (H, W, 3) of one size, got {reference.shape} and {test.shape}"
         raise ValueError(message)
-    shown = [np.ascontiguousarray(srgb(np.float32(picture)), np.float32) for picture in (reference, test)]
+    shown = [np.ascontiguousarray(srgb(np.asarray(picture, np.float32)), np.float32) for picture in (reference, test)]
     _, mean, _ = flip_evaluator.evaluate(*shown, "LDR", applyMagma=False, parameters={"ppd": PIXELS_PER_DEGREE})
     return float(mean)

@@ -4,17 +4,19 @@
 Mitsuba runs in a process of its own, which stays warm: its libraries and Blender's must not meet in one. Requests go
 down its standard input, pictures come up its standard output, pickled.
 
-The scenes are those of scenes.py, with three differences: the ball is a sphere where Cycles has a fine smooth mesh;
-a pixel is a box, of a pixel's width, where Cycles' filter reaches into the neighbours; and the environment map is cut
-off at its brightest before it is interpolated. Paths are as long as Blender's defaults let them be. The sampler is
-Mitsuba's best on the softbox of those that take any number of samples: at 64 its noise is a quarter of the default's.
+The scenes are those of scenes.py, whose numbers stand here again, as that module needs Blender; the tests hold the two
+against each other. They differ in three things: the ball is a sphere, where Cycles has a fine smooth mesh; a pixel is
+a box of its own width, where Blender's default filter reaches into the neighbours; the environment map is given point
+by point as the mean of its surroundings. Paths are as long as Blender's defaults let them be. The sampler is the best
+of Mitsuba's that take any number of samples: on the softbox at 64 its noise is a quarter of the default's.
 
-The variant that compiles is twice as fast as the plain one, where LLVM is new enough for it (DRJIT_LIBLLVM_PATH names
-another than the system's): it is tried first, in a process that may end over it.
+The variant that compiles takes half the time of the plain one, but needs an LLVM that is new enough (15 is not;
+DRJIT_LIBLLVM_PATH names another than the system's). It is tried first, in a process that may end over it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pickle
 import signal
@@ -52,16 +54,16 @@ SUBJECTS = {  # the preset, and its slope where that is another
 }
 DIFFERS = {
     "copper": (
-        "roughconductor: G is Smith's, apart for the two directions, in place of the V-groove's; F is that of a "
-        "conductor with Schlick's F0, whose n is chosen for the least difference, at most 0.007."
+        "roughconductor: G is Smith's of each direction by itself in place of the V-groove's; F is that of a conductor "
+        "with Schlick's F0, whose n is chosen for the least difference, at most 0.007."
     ),
     "plastic": (
-        "roughplastic: G is Smith's; what enters the base passes the coat twice and is caught below it in part, where "
-        "ours is a sum of two lobes; the lobes have our weights."
+        "roughplastic: G is Smith's; the base lies below the coat, which light passes twice and is thrown back by from "
+        "within (nonlinear off: without a change of colour), where ours is a sum of two lobes; weights are ours."
     ),
-    "smooth plastic": "plastic: as roughplastic, of a coat that is a mirror.",
+    "smooth plastic": "plastic: as roughplastic, the coat a mirror.",
     "plaster": "diffuse: Lambert's law, as Mitsuba has no Oren-Nayar.",
-    "glass": "dielectric: the same model, of a smooth interface without absorption.",
+    "glass": "dielectric: the same model, a smooth interface without absorption.",
     "frosted glass": "roughdielectric: G is Smith's in place of the V-groove's, for what passes too.",
 }
 PAIRS = (
@@ -96,22 +98,17 @@ class Peer:
         from ..scene import environments
 
         world = images.load(environments()["studio"])
-        for variant in VARIANTS:
-            self.variant = variant
-            self._begin(variant)
-            try:
-                self._send(world)
-                self.version: str = self._receive()
-                self.render("softbox", "copper", 1, 0, 8)
-            except PeerError:
-                self.close()
-                if variant == VARIANTS[-1]:
-                    raise
-            else:
+        *quicker, plain = VARIANTS
+        for variant in quicker:
+            with contextlib.suppress(PeerError):
+                self._begin(variant, world)
                 return self
-        raise AssertionError
+        self._begin(plain, world)
+        return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
     def render(self, scene: str, subject: str, samples: int, seed: int, size: int) -> Rendered:
@@ -135,14 +132,23 @@ class Peer:
         self._process.communicate()
         self._said.close()
 
-    def _begin(self, variant: str) -> None:
-        self._said = tempfile.TemporaryFile()
+    def _begin(self, variant: str, world: NDArray[np.float32]) -> None:
+        """PeerError if the variant renders nothing here."""
+        self.variant = variant
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", __name__, variant],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._said,
         )
+        try:
+            self._send(world)
+            self.version: str = self._receive()
+            self.render("softbox", "copper", 1, 0, 8)
+        except BaseException:
+            self.close()
+            raise
 
     def _send(self, what: Any) -> None:
         try:
@@ -198,40 +204,43 @@ def rgb(values: Any) -> dict[str, Any]:
 
 
 @cache
-def conductor_like(f0: tuple[float, ...]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """n and k, per channel, of the conductor that reflects f0 head-on and is nearest to Schlick at all angles.
+def conductor_like(f0: tuple[float, ...]) -> tuple[list[float], list[float]]:
+    """n and k, for each channel, of the conductor that reflects ``f0`` head-on and is nearest to Schlick elsewhere.
 
-    With r = sqrt(f0), n is between (1 - r) / (1 + r), where k is 0, and its inverse. The greatest difference over the
-    angles is what is made least.
+    f0 = ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2) leaves n free between (1 - r) / (1 + r), r = sqrt(f0), and its inverse;
+    it is the one whose F, over all angles, comes at most the least distance away from Schlick's.
     """
     cos = np.linspace(0.0, 1.0, 1001)
-    found = []
+    indices, extinctions = [], []
     for f in f0:
 
-        def k_of(n: float, f: float = f) -> float:
+        def k(n: float, f: float = f) -> float:
             return float(np.sqrt(max(f * (n + 1.0) ** 2 - (n - 1.0) ** 2, 0.0) / (1.0 - f)))
 
-        def worst(n: float, f: float = f) -> float:
-            return float(np.max(np.abs(fresnel_conductor(cos, n, k_of(n)) - schlick(cos, f))))
+        def distance(n: float, f: float = f) -> float:
+            return float(np.max(np.abs(fresnel_conductor(cos, n, k(n)) - schlick(cos, f))))
 
         least = (1.0 - f**0.5) / (1.0 + f**0.5)
-        n = float(minimize_scalar(worst, bounds=(least, 1.0 / least), options={"xatol": 1e-8}).x)
-        found.append((n, k_of(n)))
-    n, k = zip(*found, strict=True)
-    return n, k
+        n = float(minimize_scalar(distance, bounds=(least, 1.0 / least), options={"xatol": 1e-8}).x)
+        indices.append(n)
+        extinctions.append(k(n))
+    return indices, extinctions
 
 
 # In the process itself
 
 BOUNCES = 12  # of Blender's defaults
 BRIGHTEST = 3.0
-FINER = 2  # times that the environment map is, so that its cut is as sharp as that of what is interpolated
+PROBES = 8  # each way, of a cell of the environment map
 FAR = 1e4  # metres to the disc of the sun: a metre beside the ball's middle it has moved by 0.006 of its 0.53 degrees
 SUN_ANGLE = radians(0.53)
 
 
 def stage(mi: Any, name: str, bsdf: dict[str, Any], world: NDArray[np.float32], size: int) -> dict[str, Any]:
-    """A scene of scenes.py, as Mitsuba's dictionary."""
+    """A scene of scenes.py, as Mitsuba's dictionary. ValueError if it has none of that name."""
+    if name not in {*BALLS, "checker"}:
+        message = f"no scene {name!r}; there are {', '.join(BALLS)} and checker"
+        raise ValueError(message)
     ball = {"type": "sphere", "center": [0.0, 0.0, 1.0], "bsdf": bsdf}
     found = {"type": "scene", "ball": ball, "integrator": {"type": "path", "max_depth": BOUNCES + 1}}
     eye = placed(mi, (0.0, -5.6, 2.6), 74.0) if name == "checker" else placed(mi, (0.0, -6.0, 1.0), 90.0)
@@ -248,7 +257,9 @@ def stage(mi: Any, name: str, bsdf: dict[str, Any], world: NDArray[np.float32], 
         axes = mi.ScalarTransform4f([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
         found["world"] = {"type": "envmap", "bitmap": mi.Bitmap(resampled(world)), "to_world": axes}
     if name == "softbox":
-        found["lamp"] = lamp("rectangle", placed(mi, (1.3, -1.6, 2.6), 45.0, 39.0) @ turned(mi) @ scaled(mi, 0.5), 60.0 / pi)
+        found["lamp"] = lamp(
+            "rectangle", placed(mi, (1.3, -1.6, 2.6), 45.0, 39.0) @ turned(mi) @ scaled(mi, 0.5), 60.0 / pi
+        )
     if name == "sun":
         found["world"] = {"type": "constant", "radiance": rgb([0.05] * 3)}
         half = SUN_ANGLE / 2.0
@@ -288,20 +299,56 @@ def scaled(mi: Any, factor: float) -> Any:
 def resampled(world: NDArray[np.float32]) -> NDArray[np.float32]:
     """An environment map as Cycles interpolates and the scene cuts it, on the lattice of Mitsuba's.
 
-    Rows are pixels' middles in Cycles, but begin and end at the poles in Mitsuba; columns are alike.
+    Columns are alike; rows are pixels' middles in Cycles, but begin and end at the poles in Mitsuba. A point of the
+    lattice has the mean of the cell around it: interpolated between points that were cut, light would be lost (0.25 %
+    of what the ball reflects).
     """
     height, width, _ = world.shape
-    y = np.linspace(-0.5, height - 0.5, FINER * height + 1)
-    x = (np.arange(FINER * width) + 0.5) / FINER - 0.5
-    rows = _between(world, np.clip(y, 0.0, height - 1.0), height)
-    found = _between(rows.transpose(1, 0, 2), x, width).transpose(1, 0, 2)
-    return np.ascontiguousarray(np.minimum(found, BRIGHTEST), np.float32)
+    offsets = (np.arange(PROBES) + 0.5) / PROBES - 0.5
+    y, x = np.arange(height + 1) - 0.5, np.arange(width, dtype=np.float64)
+    total = np.zeros((len(y), len(x), 3), np.float32)
+    for down in offsets:
+        rows = _between(world, np.clip(y + down, 0.0, height - 1.0)).transpose(1, 0, 2)
+        for across in offsets:
+            total += np.minimum(_between(rows, x + across).transpose(1, 0, 2), BRIGHTEST)
+    return total / np.float32(PROBES**2)
 
 
-def _between(lines: NDArray[np.float32], at: NDArray[np.float64], count: int) -> NDArray[np.float32]:
+def _between(lines: NDArray[np.float32], at: NDArray[np.float64]) -> NDArray[np.float32]:
     low = np.floor(at).astype(int)
     share = (at - low)[:, None, None].astype(np.float32)
-    return (1.0 - share) * lines[low % count] + share * lines[(low + 1) % count]
+    return (1.0 - share) * lines[low % len(lines)] + share * lines[(low + 1) % len(lines)]
+
+
+class Renderer:
+    """Mitsuba. Keeps the scene that it rendered last."""
+
+    def __init__(self, variant: str, world: NDArray[np.float32]) -> None:
+        import mitsuba as mi
+
+        mi.set_variant(variant)
+        mi.set_log_level(mi.LogLevel.Error)
+        self.mi, self.world = mi, world
+        self.compiles = not variant.startswith("scalar")  # and that for each number of samples
+        self.loaded: tuple[Any, ...] = ()
+        self.warm: set[int] = set()
+
+    def render(self, name: str, bsdf: dict[str, Any], samples: int, seed: int, size: int) -> tuple[Any, ...]:
+        """The fields of ``Rendered``."""
+        if self.loaded != (name, bsdf, size):
+            self.shown = self.mi.load_dict(stage(self.mi, name, bsdf, self.world, size))
+            self.loaded, self.warm = (name, bsdf, size), set()
+        first = samples if self.compiles else 1
+        if first not in self.warm:
+            self._picture(first, seed)
+            self.warm.add(first)
+        wall, cpu = time.perf_counter(), time.process_time()
+        picture = self._picture(samples, seed)
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        return picture, self.shown.sensors()[0].sampler().sample_count(), wall, cpu
+
+    def _picture(self, samples: int, seed: int) -> NDArray[np.float64]:
+        return np.array(self.mi.render(self.shown, spp=samples, seed=seed), np.float64)  # an array has been computed
 
 
 def main() -> None:
@@ -310,37 +357,16 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
         os.dup2(nowhere.fileno(), 1)  # where Mitsuba prints
-    import mitsuba as mi
-
-    mi.set_variant(sys.argv[1])
-    mi.set_log_level(mi.LogLevel.Error)
-    world = pickle.load(sys.stdin.buffer)  # noqa: S301 - from our own process
-    _answer(answers, mi.__version__)
-    compiles = not sys.argv[1].startswith("scalar")  # a kernel for each number of samples
-    loaded: dict[str, Any] = {}
-    warm: set[tuple[str, int]] = set()
-    while True:
-        try:
-            scene, bsdf, samples, seed, size = pickle.load(sys.stdin.buffer)  # noqa: S301 - from our own process
-        except EOFError:
-            return
-        key = repr((scene, bsdf, size))
-        try:
-            if key not in loaded:
-                loaded = {key: mi.load_dict(stage(mi, scene, bsdf, world, size))}
-                warm.clear()
-            shown = loaded[key]
-            first = samples if compiles else 1
-            if (key, first) not in warm:
-                np.array(mi.render(shown, spp=first, seed=seed))
-                warm.add((key, first))
-            wall, cpu = time.perf_counter(), time.process_time()
-            picture = np.array(mi.render(shown, spp=samples, seed=seed), np.float64)
-            taken = shown.sensors()[0].sampler().sample_count()
-            found: Any = picture, taken, time.perf_counter() - wall, time.process_time() - cpu
-        except (RuntimeError, ValueError) as error:
-            found = " ".join(str(error).split())
-        _answer(answers, found)
+    renderer = Renderer(sys.argv[1], pickle.load(sys.stdin.buffer))  # noqa: S301 - from our own process
+    _answer(answers, renderer.mi.__version__)
+    with contextlib.suppress(EOFError):
+        while True:
+            request = pickle.load(sys.stdin.buffer)  # noqa: S301 - from our own process
+            try:
+                found: Any = renderer.render(*request)
+            except (RuntimeError, ValueError) as error:
+                found = " ".join(str(error).split())
+            _answer(answers, found)
 
 
 def _answer(answers: IO[bytes], what: Any) -> None:

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FLIP, and Mitsuba's scenes against Cycles'."""
+
+import bpy
+import numpy as np
+import pytest
+
+from vgroove.addon import gonio, headless, presets, scene
+from vgroove.addon.reference.fresnel import fresnel_conductor, schlick
+from vgroove.addon.report import mitsuba_peer, scenes
+from vgroove.addon.report.flip import flip
+
+SIZE, SAMPLES, SEEDS = 16, 256, 4
+COLOUR = (0.8, 0.6, 0.4)
+COPPER = (0.95, 0.64, 0.54)
+
+
+@pytest.fixture(scope="module")
+def peer():
+    with mitsuba_peer.Peer() as begun:
+        yield begun
+
+
+@pytest.fixture
+def ramp():
+    y, x = np.mgrid[0:32, 0:32] / 32.0
+    return np.stack([x, y, 0.5 * np.ones_like(x)], axis=-1)
+
+
+def noisy(picture, sigma):
+    return np.clip(picture + np.random.default_rng(1).normal(0.0, sigma, picture.shape), 0.0, None)
+
+
+def test_flip_of_a_picture_and_itself_is_zero(ramp):
+    """Nothing to see."""
+    assert flip(ramp, ramp) == 0.0
+
+
+def test_flip_grows_with_noise_and_not_with_the_order(ramp):
+    """Of 0, 1, 3 and 10 % noise each looks worse than the one before, whichever picture comes first."""
+    found = [flip(ramp, noisy(ramp, sigma)) for sigma in (0.0, 0.01, 0.03, 0.1)]
+    assert np.all(np.diff(found) > 0.0)
+    assert found[-1] < 1.0
+    assert flip(noisy(ramp, 0.1), ramp) == pytest.approx(found[-1], rel=1e-5)  # float32 sums
+
+
+def test_flip_sees_pictures_as_a_monitor_shows_them():
+    """What is above white is white, and a step in the dark is seen better than the same step in the light."""
+    grey = np.ones((16, 16, 3))
+    assert flip(grey, 2.0 * grey) == 0.0
+    assert flip(0.01 * grey, 0.02 * grey) > flip(0.81 * grey, 0.82 * grey)
+
+
+def test_flip_refuses_pictures_of_two_sizes():
+    """Before the library does, which would end the process."""
+    with pytest.raises(ValueError, match=r"of one size, got \(4, 4, 3\) and \(4, 5, 3\)"):
+        flip(np.zeros((4, 4, 3)), np.zeros((4, 5, 3)))
+
+
+def test_conductor_has_schlicks_f0_and_is_nearest_to_schlick():
+    """F0 to rounding, elsewhere at most as far as ``DIFFERS`` says, and farther with any other n."""
+    cos = np.linspace(0.0, 1.0, 301)
+    n, k = np.array(mitsuba_peer.conductor_like(COPPER))
+
+    def distance(n, k):
+        return np.max(np.abs(fresnel_conductor(cos, n, k) - schlick(cos, COPPER)), axis=0)
+
+    np.testing.assert_allclose(fresnel_conductor(1.0, n, k), COPPER, rtol=1e-12)
+    assert distance(n, k).max() < 0.007
+    for factor in (0.9, 1.1):
+        f0, other = np.array(COPPER), factor * n
+        assert np.all(distance(other, np.sqrt((f0 * (other + 1) ** 2 - (other - 1) ** 2) / (1 - f0))) > distance(n, k))
+
+
+def test_every_subject_says_how_it_differs():
+    """And is rendered somewhere, as a BSDF that is named in what it says."""
+    assert mitsuba_peer.DIFFERS.keys() == mitsuba_peer.SUBJECTS.keys() == {s for _, s in mitsuba_peer.PAIRS}
+    for subject, words in mitsuba_peer.DIFFERS.items():
+        assert words.startswith(mitsuba_peer.material(mitsuba_peer.preset(subject))["type"] + ":")
+
+
+def test_subjects_have_the_numbers_of_their_presets():
+    """Slope, colours and index are read from the preset."""
+    plastic = mitsuba_peer.material(presets.find("plastics/red_plastic").with_parameters(m=0.25, d=0.3, s=0.6))
+    assert plastic["alpha"] == 0.25
+    assert plastic["specular_reflectance"]["value"] == [0.6, 0.6, 0.6]
+    assert plastic["diffuse_reflectance"]["value"] == pytest.approx([0.18, 0.012, 0.009])
+
+
+def shaded(kind, **values):
+    """A material of one node of Blender's."""
+    made = scenes.new_material("Peer")
+    bsdf, output = made.node_tree.nodes.new(kind), made.node_tree.nodes.new("ShaderNodeOutputMaterial")
+    made.node_tree.links.new(bsdf.outputs[0], output.inputs["Surface"])
+    for name, value in values.items():
+        if name in bsdf.inputs:
+            bsdf.inputs[name].default_value = value
+        else:
+            setattr(bsdf, name, value)
+    return made
+
+
+def cycles(name, make):
+    """Pictures by ``SEEDS`` seeds, of a ball without visible facets and with the pixels that Mitsuba has."""
+    with headless.quiet(), scenes.stage(name, SIZE) as stage:
+        stage.item.data = scene.ball_mesh(512, 256)  # within 2e-5 of a sphere
+        stage.item.active_material = make()
+        stage.scene.cycles.pixel_filter_type, stage.scene.cycles.samples = "BOX", SAMPLES
+        stage.scene.view_layers[0].update()
+        found = []
+        for stage.scene.cycles.seed in range(SEEDS):
+            found.append(gonio.rendered(stage.scene).astype(np.float64))
+        return np.array(found)
+
+
+def assert_same(ours, theirs, within):
+    """Pictures of S seeds each differ by their noise, in the mean and pixel by pixel.
+
+    The mean is judged by Student's t, 2 (S - 1) = 6 degrees of freedom, at 1 % over six comparisons (Sidak): 5.5. Channels
+    see the same samples and count once. The squares of the pixels' differences are as large as their variances say
+    in the mean; by ~100 pixels, of which the noisiest half does most, to 0.2, so that 2 is five times that.
+    """
+    ours, theirs = ours[:, within].mean(axis=-1), theirs[:, within].mean(axis=-1)
+    means = ours.mean(axis=1), theirs.mean(axis=1)
+    off = means[0].mean() - means[1].mean()
+    doubt = np.sqrt(sum(mean.var(ddof=1) for mean in means) / SEEDS)
+    print(f"off {off / means[0].mean():.2%}, doubt {doubt / means[0].mean():.3%}")
+    assert abs(off) < 5.5 * doubt
+    expected = np.sum(ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / SEEDS
+    print("ratio", np.sum((ours.mean(axis=0) - theirs.mean(axis=0)) ** 2)/expected)
+    assert np.sum((ours.mean(axis=0) - theirs.mean(axis=0)) ** 2) < 2.0 * expected
+
+
+def mitsuba(peer, name, bsdf):
+    return np.array([peer.render_material(name, bsdf, SAMPLES, seed, SIZE).picture for seed in range(SEEDS)])
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("name", [*mitsuba_peer.BALLS, "checker"])
+def test_mitsubas_scenes_are_those_of_cycles(blender, peer, name):
+    """Camera, light, its units and its orientation: a Lambert ball is the same picture in both."""
+    bsdf = {"type": "diffuse", "reflectance": mitsuba_peer.rgb(COLOUR)}
+    ours = cycles(name, lambda: shaded("ShaderNodeBsdfDiffuse", Color=(*COLOUR, 1.0)))
+    everything = np.ones((SIZE, SIZE), np.bool_)
+    assert_same(ours, mitsuba(peer, name, bsdf), everything if name == "checker" else scenes.ball_pixels(SIZE))
+
+
+@pytest.mark.blender
+@pytest.mark.skipif(bpy.app.version < (5, 0, 0), reason="4.5 approximates F of a conductor")
+@pytest.mark.parametrize("name", ["softbox", "environment"])
+def test_mitsubas_copper_is_cycles_metallic_bsdf(blender, peer, name):
+    """The same D, F and slope, where G is the same.
+
+    Mitsuba's G is the product of Smith's for either direction, Cycles' knows that they are one height; as both take
+    that of a direction to be 1 where tan < 1 / (1.6 m), they agree wherever the ball is seen at less than 64 degrees.
+    """
+    n, k = mitsuba_peer.conductor_like(COPPER)
+    ours = cycles(
+        name,
+        lambda: shaded(
+            "ShaderNodeBsdfMetallic", distribution="BECKMANN", fresnel_type="PHYSICAL_CONDUCTOR",
+            Roughness=0.3**0.5, IOR=n, Extinction=k,
+        ),  # fmt: skip
+    )
+    theirs = mitsuba(peer, name, mitsuba_peer.material(presets.find("lecture/copper")))
+    assert_same(ours, theirs, scenes.ball_pixels(SIZE))
+
+
+@pytest.mark.blender
+def test_mitsuba_repeats_a_seed_and_keeps_time(peer):
+    """A seed is a picture; the render's time is told with the samples that were taken."""
+    first, again, other = (peer.render("softbox", "copper", 16, seed, 8) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.picture, again.picture)
+    assert np.any(first.picture != other.picture)
+    assert first.picture.shape == (8, 8, 3)
+    assert first.samples == 16
+    assert min(first.wall, first.cpu) > 0.0
+
+
+@pytest.mark.blender
+def test_mitsuba_says_what_it_cannot_render_and_goes_on(peer):
+    """A mistake does not end the process."""
+    with pytest.raises(mitsuba_peer.PeerError, match="no scene 'attic'; there are environment, softbox"):
+        peer.render("attic", "copper", 1, 0, 8)
+    with pytest.raises(mitsuba_peer.PeerError, match="velvet"):
+        peer.render_material("softbox", {"type": "velvet"}, 1, 0, 8)
+    assert peer.render("softbox", "copper", 1, 0, 8).picture.max() > 0.0
+
+
+@pytest.mark.blender
+def test_mitsuba_falls_back_to_a_variant_that_works(blender, monkeypatch):
+    """One that cannot be had, or whose process ends, is passed over; a process that is lost later is told of."""
+    monkeypatch.setattr(mitsuba_peer, "VARIANTS", ("no_such_variant", "scalar_rgb"))
+    with mitsuba_peer.Peer() as begun:
+        assert begun.variant == "scalar_rgb"
+        begun._process.kill()
+        with pytest.raises(mitsuba_peer.PeerError, match=r"\(scalar_rgb\) ended \(SIGKILL\)"):
+            begun.render("softbox", "copper", 1, 0, 8)
