@@ -33,7 +33,6 @@ from typing import IO, TYPE_CHECKING, Any, Self
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from .. import presets
 from ..reference.fresnel import fresnel_conductor, schlick
 
 if TYPE_CHECKING:
@@ -41,35 +40,29 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from ..presets import Preset
+
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")  # the quickest first
-BALLS = ("environment", "softbox", "sun")  # scenes of a ball alone
-GLASSES = ("glass", "frosted glass")
-SUBJECTS = {  # the preset, and its slope where that is another
-    "copper": ("lecture/copper", None),
-    "plastic": ("plastics/red_plastic", None),
-    "smooth plastic": ("plastics/red_plastic", 0.0),
-    "plaster": ("diffuse/plaster", None),
-    "glass": ("glasses/frosted_glass", 0.0),
-    "frosted glass": ("glasses/frosted_glass", None),
-}
-DIFFERS = {
-    "copper": (
-        "roughconductor: G is Smith's of each direction by itself in place of the V-groove's; F is that of a conductor "
-        "with Schlick's F0, whose n is chosen for the least difference, at most 0.007."
+SCENES = ("environment", "softbox", "sun", "checker")
+DIFFERS = {  # by the type of BSDF
+    "roughconductor": (
+        "G is Smith's of each direction by itself in place of the V-groove's; F is that of a conductor with Schlick's "
+        "F0, whose n is chosen for the least difference, on copper 0.007 at most"
+    ),
+    "conductor": "F is that of a conductor with Schlick's F0, whose n is chosen for the least difference",
+    "roughplastic": (
+        "G is Smith's; the base lies below the coat, which light passes twice and is thrown back by from within "
+        "(nonlinear off: without a change of colour), where ours is a sum of two lobes, whose weights it has"
     ),
     "plastic": (
-        "roughplastic: G is Smith's; the base lies below the coat, which light passes twice and is thrown back by from "
-        "within (nonlinear off: without a change of colour), where ours is a sum of two lobes; weights are ours."
+        "the base lies below the coat, which light passes twice and is thrown back by from within (nonlinear off: "
+        "without a change of colour), where ours is a sum of two lobes, whose weights it has"
     ),
-    "smooth plastic": "plastic: as roughplastic, the coat a mirror.",
-    "plaster": "diffuse: Lambert's law, as Mitsuba has no Oren-Nayar.",
-    "glass": "dielectric: the same model, a smooth interface without absorption.",
-    "frosted glass": "roughdielectric: G is Smith's in place of the V-groove's, for what passes too.",
+    "diffuse": "Lambert's law, as Mitsuba has no Oren-Nayar",
+    "dielectric": "the same model, of glass that absorbs nothing",
+    "roughdielectric": "G is Smith's in place of the V-groove's, for what passes too; of glass that absorbs nothing",
 }
-PAIRS = (
-    *((scene, subject) for scene in BALLS for subject in SUBJECTS if subject not in GLASSES),
-    *(("checker", subject) for subject in GLASSES),
-)
+TRIAL = {"type": "roughconductor", "distribution": "beckmann"}
 LAST_WORDS = 300  # characters of what the process said last
 
 
@@ -111,15 +104,12 @@ class Peer:
     ) -> None:
         self.close()
 
-    def render(self, scene: str, subject: str, samples: int, seed: int, size: int) -> Rendered:
-        """One of ``PAIRS`` in ``size`` x ``size`` pixels. The time is that of the render alone, on all cores.
+    def render(self, scene: str, bsdf: dict[str, Any], samples: int, seed: int, size: int) -> Rendered:
+        """One of ``SCENES``, its ball of any BSDF that Mitsuba has, in ``size`` x ``size`` pixels.
 
-        What a scene needs to load and a first render to compile comes before. PeerError if the process ends over it.
+        The time is that of the render alone, on all cores: the scene has been loaded, and a first render has compiled
+        what it needs. PeerError if Mitsuba refuses, or its process ends over it.
         """
-        return self.render_material(scene, material(preset(subject)), samples, seed, size)
-
-    def render_material(self, scene: str, bsdf: dict[str, Any], samples: int, seed: int, size: int) -> Rendered:
-        """As ``render``, of any BSDF that Mitsuba has."""
         self._send((scene, bsdf, samples, seed, size))
         found = self._receive()
         if isinstance(found, str):
@@ -145,7 +135,7 @@ class Peer:
         try:
             self._send(world)
             self.version: str = self._receive()
-            self.render("softbox", "copper", 1, 0, 8)
+            self.render("softbox", TRIAL, 1, 0, 8)
         except BaseException:
             self.close()
             raise
@@ -174,29 +164,25 @@ class Peer:
 # What Mitsuba is given
 
 
-@cache
-def preset(subject: str) -> presets.Preset:
-    """The material of ours that a subject stands for."""
-    identity, m = SUBJECTS[subject]
-    found = presets.find(identity)
-    return found if m is None else found.with_parameters(m=m)
-
-
-def material(ours: presets.Preset) -> dict[str, Any]:
-    """The BSDF of Mitsuba that is nearest to a preset; ``DIFFERS`` says by what it is not the same."""
-    values: dict[str, Any] = ours.parameters
-    rough = {"distribution": "beckmann", "alpha": ours.m} if ours.m else {}
-    kind = "rough" if ours.m else ""
-    if ours.model == "oren_nayar":
-        return {"type": "diffuse", "reflectance": rgb(values["albedo"])}
-    if ours.model == "glass":
-        return {"type": f"{kind}dielectric", "int_ior": values["eta"], "ext_ior": 1.0, **rough}
-    if ours.model == "sum":
-        base = {"type": f"{kind}plastic", "int_ior": values["eta"], "ext_ior": 1.0, **rough}
-        diffuse = rgb(values["d"] * np.array(values["albedo"]))
-        return base | {"diffuse_reflectance": diffuse, "specular_reflectance": rgb([values["s"]] * 3)}
-    n, k = conductor_like(values["f0"])
-    return {"type": f"{kind}conductor", "eta": rgb(n), "k": rgb(k), **rough}
+def nearest(preset: Preset) -> dict[str, Any]:
+    """The BSDF of Mitsuba that is nearest to a preset. ValueError if none is near; ``DIFFERS`` says by how much."""
+    of: dict[str, Any] = preset.parameters
+    kind, rough = ("rough", {"distribution": "beckmann", "alpha": preset.m}) if preset.m else ("", {})
+    if preset.model == "oren_nayar":
+        return {"type": "diffuse", "reflectance": rgb(of["albedo"])}
+    if preset.model == "glass":
+        return {"type": f"{kind}dielectric", "int_ior": of["eta"], "ext_ior": 1.0} | rough
+    if preset.model == "sum" and preset.kind == "dielectric":
+        lobes = {
+            "diffuse_reflectance": rgb(of["d"] * np.array(of["albedo"])),
+            "specular_reflectance": rgb([of["s"]] * 3),
+        }
+        return {"type": f"{kind}plastic", "int_ior": of["eta"], "ext_ior": 1.0} | lobes | rough
+    if preset.model == "cook_torrance" and preset.kind in {"schlick", "conductor"}:
+        n, k = (of["n"], of["k"]) if preset.kind == "conductor" else conductor_like(of["f0"])
+        return {"type": f"{kind}conductor", "eta": rgb(n), "k": rgb(k)} | rough
+    message = f"Mitsuba has nothing like {preset.id} ({preset.model}, {preset.kind})"
+    raise ValueError(message)
 
 
 def rgb(values: Any) -> dict[str, Any]:
@@ -238,8 +224,8 @@ SUN_ANGLE = radians(0.53)
 
 def stage(mi: Any, name: str, bsdf: dict[str, Any], world: NDArray[np.float32], size: int) -> dict[str, Any]:
     """A scene of scenes.py, as Mitsuba's dictionary. ValueError if it has none of that name."""
-    if name not in {*BALLS, "checker"}:
-        message = f"no scene {name!r}; there are {', '.join(BALLS)} and checker"
+    if name not in SCENES:
+        message = f"no scene {name!r}; there are {', '.join(SCENES)}"
         raise ValueError(message)
     ball = {"type": "sphere", "center": [0.0, 0.0, 1.0], "bsdf": bsdf}
     found = {"type": "scene", "ball": ball, "integrator": {"type": "path", "max_depth": BOUNCES + 1}}
