@@ -5,12 +5,13 @@ Mitsuba runs in a process of its own, which stays warm: its libraries and Blende
 down its standard input, pictures come up its standard output, pickled.
 
 The scenes are those of scenes.py, whose numbers stand here again, as that module needs Blender; the tests hold the two
-against each other. They differ in three things: the ball is a sphere, where Cycles has a fine smooth mesh; a pixel is
-a box of its own width, where Blender's default filter reaches into the neighbours; the environment map is given point
-by point as the mean of its surroundings. Paths are as long as Blender's defaults let them be. The sampler is the best
-of Mitsuba's that take any number of samples: on the softbox at 64 its noise is a quarter of the default's.
+against each other. They differ in four things: the ball is a sphere, where Cycles has a fine smooth mesh; a pixel is a
+box of its own width, where Blender's default filter reaches into the neighbours; the environment map is given point by
+point as the mean of its surroundings; a path has as many bounces as Blender's default in all, whatever their kind. The
+sampler is the best of Mitsuba's that take any number of samples: on the softbox at 64 its noise is a quarter of the
+default's.
 
-The variant that compiles takes half the time of the plain one, but needs an LLVM that is new enough (15 is not;
+The variant that compiles is three to four times as fast as the plain one, but needs an LLVM new enough (15 is not;
 DRJIT_LIBLLVM_PATH names another than the system's). It is tried first, in a process that may end over it.
 """
 
@@ -25,7 +26,7 @@ import sys
 import tempfile
 import time
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import atan, degrees, pi, radians, tan
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Self
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")  # the quickest first
 SCENES = ("environment", "softbox", "sun", "checker")
+MAPPED = ("environment", "checker")  # lit by the map
 DIFFERS = {  # by the type of BSDF
     "roughconductor": (
         "G is Smith's of each direction by itself in place of the V-groove's; F is that of a conductor with Schlick's "
@@ -222,8 +224,8 @@ FAR = 1e4  # metres to the disc of the sun: a metre beside the ball's middle it 
 SUN_ANGLE = radians(0.53)
 
 
-def stage(mi: Any, name: str, bsdf: dict[str, Any], world: NDArray[np.float32], size: int) -> dict[str, Any]:
-    """A scene of scenes.py, as Mitsuba's dictionary. ValueError if it has none of that name."""
+def stage(mi: Any, name: str, bsdf: dict[str, Any], world: Any, size: int) -> dict[str, Any]:
+    """A scene of scenes.py, as Mitsuba's dictionary, under ``world`` if ``MAPPED``. ValueError if there is none."""
     if name not in SCENES:
         message = f"no scene {name!r}; there are {', '.join(SCENES)}"
         raise ValueError(message)
@@ -238,10 +240,10 @@ def stage(mi: Any, name: str, bsdf: dict[str, Any], world: NDArray[np.float32], 
         "film": film | {"rfilter": {"type": "box"}},
         "sampler": {"type": "multijitter"},
     }
-    if name in {"environment", "checker"}:
+    if name in MAPPED:
         # Mitsuba's map has y up, and its middle column along z
         axes = mi.ScalarTransform4f([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-        found["world"] = {"type": "envmap", "bitmap": mi.Bitmap(resampled(world)), "to_world": axes}
+        found["world"] = {"type": "envmap", "bitmap": world, "to_world": axes}
     if name == "softbox":
         found["lamp"] = lamp(
             "rectangle", placed(mi, (1.3, -1.6, 2.6), 45.0, 39.0) @ turned(mi) @ scaled(mi, 0.5), 60.0 / pi
@@ -314,7 +316,7 @@ class Renderer:
 
         mi.set_variant(variant)
         mi.set_log_level(mi.LogLevel.Error)
-        self.mi, self.world = mi, world
+        self.mi, self.pixels = mi, world
         self.compiles = not variant.startswith("scalar")  # and that for each number of samples
         self.loaded: tuple[Any, ...] = ()
         self.warm: set[int] = set()
@@ -322,7 +324,8 @@ class Renderer:
     def render(self, name: str, bsdf: dict[str, Any], samples: int, seed: int, size: int) -> tuple[Any, ...]:
         """The fields of ``Rendered``."""
         if self.loaded != (name, bsdf, size):
-            self.shown = self.mi.load_dict(stage(self.mi, name, bsdf, self.world, size))
+            world = self.world if name in MAPPED else None
+            self.shown = self.mi.load_dict(stage(self.mi, name, bsdf, world, size))
             self.loaded, self.warm = (name, bsdf, size), set()
         first = samples if self.compiles else 1
         if first not in self.warm:
@@ -332,6 +335,10 @@ class Renderer:
         picture = self._picture(samples, seed)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         return picture, self.shown.sensors()[0].sampler().sample_count(), wall, cpu
+
+    @cached_property
+    def world(self) -> Any:
+        return self.mi.Bitmap(resampled(self.pixels))
 
     def _picture(self, samples: int, seed: int) -> NDArray[np.float64]:
         return np.array(self.mi.render(self.shown, spp=samples, seed=seed), np.float64)  # an array has been computed
