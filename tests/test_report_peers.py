@@ -94,6 +94,29 @@ def test_every_subject_of_the_report_has_a_peer_that_says_how_it_differs():
             assert mitsuba_peer.nearest(preset.with_parameters(m=0.0))["type"] in mitsuba_peer.DIFFERS
 
 
+def test_the_maps_lattice_lies_where_mitsuba_looks():
+    """Columns at pixels' middles, rows from pole to pole: what grows evenly is read off as it is."""
+    y, x = np.mgrid[0:16, 0:32].astype(np.float32) / 32.0
+    found = mitsuba_peer.resampled(np.stack([x, y, 0 * x], axis=-1))
+    assert found.shape == (17, 32, 3)
+    inner = found[1:-1, 1:-1]  # elsewhere the map repeats or ends
+    np.testing.assert_allclose(inner[..., 0], np.broadcast_to(np.arange(1, 31) / 32.0, (15, 30)), atol=1e-6)
+    np.testing.assert_allclose(inner[..., 1].T, np.broadcast_to((np.arange(1, 16) - 0.5) / 32.0, (30, 15)), atol=1e-6)
+
+
+def test_the_maps_cut_loses_no_light():
+    """A bright pixel, interpolated and then cut, shines over its neighbourhood; points alone would hold a quarter.
+
+    Its patch is a square of nearly 2 by 2 pixels. Eight probes a pixel place its edge to half a probe: of 8 pixels of
+    edge 1 / 16, an eighth of the patch at most.
+    """
+    world = np.zeros((16, 32, 3), np.float32)
+    world[8, 16] = 600.0
+    tent = 1.0 - np.abs(np.linspace(-1.0, 1.0, 2001))
+    light = 4.0 * np.mean(np.minimum(600.0 * np.outer(tent, tent), mitsuba_peer.BRIGHTEST))
+    assert mitsuba_peer.resampled(world).sum(axis=(0, 1)) == pytest.approx(np.full(3, light), rel=1.0 / 8.0)
+
+
 def shaded(kind, **values):
     """A material of one node of Blender's."""
     made = scenes.new_material("Peer")
@@ -176,6 +199,7 @@ def test_mitsuba_repeats_a_seed_and_keeps_time(peer):
     assert np.any(first.picture != other.picture)
     assert first.picture.shape == (8, 8, 3)
     assert first.samples == 16
+    assert peer.render("softbox", mitsuba_peer.TRIAL, 29, 0, 8).samples > 29  # a prime number is no grid
     assert min(first.wall, first.cpu) > 0.0
 
 
