@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""report.md: what a report found, in words and tables. The words of figures are the page's too. Imports no bpy."""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+from ..files import replacing
+from .findings import AGAINST, TARGETS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
+
+    from .findings import Contest, Curve, LeftOut, Reached, Run
+
+FILE = "report.md"
+
+
+def write(path: Path, found: list[Run], machine: Mapping[str, Any], figures: Mapping[str, Mapping[str, str]]) -> None:
+    """figures: by Blender, the alternative texts by name of what lies in plots/ beside ``path``."""
+    with replacing(path) as temporary:
+        temporary.write_text(markdown(found, machine, figures), encoding="utf-8")
+
+
+def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str, Mapping[str, str]]) -> str:
+    lines = [
+        "# Error against run time, stability, and what was left out",
+        "",
+        f"Made by `vgroove report`, of the numbers in report.json; measured on {machine_text(machine)}.",
+        "Errors are root mean squares, as shares of the truth's. Times are of the processor unless said otherwise.",
+    ]
+    for run in found:
+        images = [f"![{text}](plots/{name}.png)" for name, text in figures.get(run.blender, {}).items()]
+        lines += ["", f"## {title(run)}", "", *(f"- {line}" for line in headlines(run))]
+        lines += [line for image in images for line in ("", image)]
+        if run.wins:
+            lines += ["", "### Who errs least at a time", "", WINS, "", *_table(*win_rows(run))]
+        if run.contests:
+            lines += ["", "### Each scene and subject", "", CURVES]
+        for contest in run.contests:
+            lines += ["", f"#### {contest.title}", "", about(contest), "", *_table(CURVE_COLUMNS, curve_rows(contest))]
+        if run.cases:
+            lines += ["", "### Extreme cases", "", *_table(CASE_COLUMNS, case_rows(run))]
+        if run.left_out:
+            lines += ["", "### What was left out", "", *_table(LEFT_OUT_COLUMNS, left_out_rows(run))]
+    return "\n".join([*lines, ""])
+
+
+WINS = (
+    "The estimator that errs least, its error, and how many times as much "
+    + " and ".join(AGAINST)
+    + " err then. Node groups alone; shorter times are mostly what a render needs to start."
+)
+CURVES = (
+    "Slope: of log noise over log samples, from 64 to 4096. Bias: at the most samples; < where it cannot be told from "
+    "0. Times: of the processor, and in brackets by the clock."
+)
+CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for target in TARGETS), "FLIP", "differs")
+CASE_COLUMNS = ("group", "what", "value", "lowest", "highest", "Z", "limit", "")
+LEFT_OUT_COLUMNS = ("case", "scene", "run as", "time", "spread", "first", "nodes", "instructions", "MB", "dropped", "")
+
+
+def title(run: Run) -> str:
+    return f"Blender {run.blender}" + (", quick" if run.quick else "")
+
+
+def machine_text(machine: Mapping[str, Any]) -> str:
+    return "{system}, {processor}, {cores} cores, {memory_gb} GB".format_map(machine)
+
+
+def headlines(run: Run) -> list[str]:
+    """What a report says in a sentence each; only what it has numbers for."""
+    return [line for line in (_slopes(run), _unbiased(run), _winners(run), _automatic(run), _backends(run), _savings(run),
+                              _stability(run)) if line]  # fmt: skip
+
+
+def _slopes(run: Run) -> str:
+    slopes = [c.slope.value for _, c in run.curves if c.estimator == "mirror" and c.competes and c.slope]
+    if not slopes:
+        return ""
+    return (
+        f"The noise of mirror falls as samples to the power of {number(median(slopes))}, the median of {len(slopes)} scenes "
+        f"({number(min(slopes))} to {number(max(slopes))})."
+    )
+
+
+def _unbiased(run: Run) -> str:
+    mirrors = [(contest, c) for contest, c in run.curves if c.estimator == "mirror" and c.competes]
+    told = [f"{contest.title}: {percent(c.floor)}" for contest, c in mirrors if c.told]
+    if not mirrors:
+        return ""
+    least = f"mirror's bias cannot be told from 0 in {len(mirrors) - len(told)} of {len(mirrors)} scenes"
+    return f"By numbers, {least}." if not told else f"By numbers, {least}; {'; '.join(told)}."
+
+
+def _winners(run: Run) -> str:
+    factors = {name: [win.over[name] for _, win in run.wins if name in win.over] for name in AGAINST}
+    said = [f"{name} {times(median(values))}" for name, values in factors.items() if values]
+    return f"At the same time as the best estimator, in the median, {' and '.join(said)} as much error." if said else ""
+
+
+def _automatic(run: Run) -> str:
+    if not run.picks:
+        return ""
+    near = sum(pick.close for _, pick in run.picks)
+    contest, worst = max(run.picks, key=lambda one: one[1].ratio)
+    line = f"Automatic is within 10 % of the best at {near} of {len(run.picks)} sample counts"
+    if worst.ratio <= 1.0:
+        return f"{line}."
+    return (
+        f"{line}; at worst it errs {times(worst.ratio)} as much as {worst.winner} "
+        f"({contest.title}, {worst.samples} samples, {worst.estimator})."
+    )
+
+
+def _backends(run: Run) -> str:
+    ratios = [ratio for contest in run.contests for ratio in contest.osl_over_nodes.values()]
+    return f"A sample takes {times(median(ratios))} as long as OSL as it does as nodes, in the median." if ratios else ""
+
+
+def _savings(run: Run) -> str:
+    if not run.left_out:
+        return ""
+    ratios = [case.time for case in run.left_out]
+    differing = [case.case for case in run.left_out if not case.same]
+    line = (
+        f"One universal material takes {times(median(ratios))} as long as a material that holds only what it needs, in the "
+        f"median of {len(ratios)} cases ({min(ratios):.3g} to {max(ratios):.3g})"
+    )
+    return f"{line}; the pictures differ in {', '.join(differing)}." if differing else f"{line}; the pictures are the same."
+
+
+def _stability(run: Run) -> str:
+    if not run.cases:
+        return ""
+    failed = [f"{case.group}: {case.what} {case.value}" for case in run.cases if not case.passed]
+    limited = sum(bool(case.limit) for case in run.cases if case.passed)
+    line = f"{len(run.cases) - len(failed)} of {len(run.cases)} extreme cases pass, {limited} of them within a stated limit"
+    return f"{line}; failed: {'; '.join(failed)}." if failed else f"{line}."
+
+
+def win_rows(run: Run) -> tuple[list[str], list[list[str]]]:
+    """Columns and rows: scenes by times."""
+    seconds = sorted({win.seconds for _, win in run.wins})
+    rows = []
+    for contest in run.contests:
+        won = {win.seconds: win for win in contest.wins}
+        if won:
+            said = [
+                f"{won[at].winner} {percent(won[at].error)} ({', '.join(times(f) for f in won[at].over.values())})"
+                if at in won
+                else ""
+                for at in seconds
+            ]
+            rows.append([contest.title, *said])
+    return ["scene, subject", *(f"{at:g} s" for at in seconds)], rows
+
+
+def about(contest: Contest) -> str:
+    """The truth, the seeds, and Automatic's choices in words."""
+    said = f"Truth: {contest.truth}. {contest.seeds} seeds." + (f" m = {contest.m:g}." if contest.m is not None else "")
+    if contest.picks:
+        choices = {pick.estimator: None for pick in contest.picks}
+        worst = max(contest.picks, key=lambda pick: pick.ratio)
+        said += f" Automatic: {', then '.join(choices)}; at worst {times(worst.ratio)} as much error as the best."
+    return said
+
+
+def curve_rows(contest: Contest) -> list[list[str]]:
+    return [
+        [
+            curve.name,
+            f"{number(curve.slope.value)} ± {curve.slope.error:.2f}" if curve.slope else "",
+            bias(curve),
+            *(f"{reached(curve.time_to(at, 'cpu'))} ({reached(curve.time_to(at, 'wall'))})" for at in TARGETS),
+            f"{curve.flip[-1]:.3g}" if curve.flip is not None else "",
+            curve.differs,
+        ]
+        for curve in contest.curves.values()
+    ]
+
+
+def case_rows(run: Run) -> list[list[str]]:
+    """Failed ones first, then by group as measured."""
+    ordered = sorted(run.cases, key=lambda case: case.passed)
+    return [
+        [
+            case.group, case.what, case.value, plain(case.lowest), plain(case.highest), plain(case.z), case.limit,
+            "passed" if case.passed else "FAILED",
+        ]
+        for case in ordered
+    ]  # fmt: skip
+
+
+def left_out_rows(run: Run) -> list[list[str]]:
+    """Universal over as built, the most saved first."""
+
+    def pair(values: Iterable[float] | None) -> str:
+        return " / ".join(f"{value:g}" for value in values) if values else ""
+
+    def row(case: LeftOut) -> list[str]:
+        return [
+            case.case, case.scene, case.backend, times(case.time), f"{case.spread[0]:.2f} to {case.spread[1]:.2f}",
+            times(case.first) if case.first is not None else "", pair(case.nodes), pair(case.instructions),
+            pair(case.memory_mb), ", ".join(case.dropped), "same picture" if case.same else "DIFFERS",
+        ]  # fmt: skip
+
+    return [row(case) for case in sorted(run.left_out, key=lambda case: case.time, reverse=True)]
+
+
+def bias(curve: Curve) -> str:
+    return percent(curve.floor) if curve.told else f"< {percent(curve.at_most)}"
+
+
+def reached(at: Reached) -> str:
+    if at.seconds is not None:
+        return f"{'≤ ' if at.within else ''}{at.seconds:.3g} s"
+    return f"floor {percent(at.value)}" if at.limit == "floor" else f"> {at.value:.3g} s"
+
+
+def percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"
+
+
+def times(factor: float) -> str:
+    return f"{factor:.2f} ×"
+
+
+def number(value: float) -> str:
+    """With a minus that is as wide as a digit."""
+    return f"{value:.2f}".replace("-", "−")
+
+
+def plain(value: float | None) -> str:
+    return "" if value is None else f"{value:.3g}"
+
+
+def _table(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
+    names = list(columns)
+    lines = [names, ["---"] * len(names), *rows]
+    return ["| " + " | ".join(text.replace("|", "\\|") for text in line) + " |" for line in lines]
