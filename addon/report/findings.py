@@ -275,8 +275,12 @@ class LeftOut:
     bar: float | None
 
     @property
+    def compared(self) -> bool:
+        return self.difference is not None and self.bar is not None
+
+    @property
     def same(self) -> bool:
-        """Whether both show the same picture."""
+        """Whether both show the same picture, or were not compared."""
         return self.difference is None or self.bar is None or self.difference <= self.bar
 
 

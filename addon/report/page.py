@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .findings import Contest, Run
+    from .plots import Drawn
 
 FILE = "report.html"
 AMPLIFIED = 16  # the difference of two pictures as shown, by so much
@@ -49,11 +50,11 @@ def write(
     path: Path,
     found: list[Run],
     machine: Mapping[str, Any],
-    figures: Mapping[str, Mapping[str, str]],
+    figures: Mapping[str, Mapping[str, Drawn]],
     plots: Path,
     pictures: Path | None,
 ) -> None:
-    """figures: by Blender, the alternative texts by name of the SVGs in ``plots``; pictures: as in ``draw``."""
+    """figures: by Blender and kind, what lies in ``plots``; pictures: as in ``draw``."""
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     template = environment.from_string(files(__package__).joinpath("page.jinja").read_text(encoding="utf-8"))
     shown = {
@@ -62,9 +63,13 @@ def write(
         for contest in run.contests
         if pictures is not None and contest.pictures
     }
-    drawn = {name: _url("svg+xml", (plots / f"{name}.svg").read_bytes()) for texts in figures.values() for name in texts}
+    vectors = {
+        one.name: _url("svg+xml", (plots / f"{one.name}.svg").read_bytes())
+        for drawn in figures.values()
+        for one in drawn.values()
+    }
     text = template.render(
-        runs=found, machine=summary.machine_text(machine), figures=figures, drawn=drawn, pictures=shown, say=summary,
+        runs=found, machine=summary.machine_text(machine), figures=figures, vectors=vectors, pictures=shown, say=summary,
         amplified=AMPLIFIED,
     )  # fmt: skip
     with replacing(path) as temporary:

@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, NullLocator
 
 from ..files import replacing
 
@@ -57,28 +57,35 @@ PASSED, LIMITED, FAILED = "#009e73", "#a6dccb", "#d55e00"
 PANEL = (2.7, 2.1)  # inches
 
 
-def draw(run: Run, folder: Path) -> dict[str, str]:
-    """Draw what a run has numbers for; alternative texts by the figures' names, without an ending."""
+class Drawn(NamedTuple):
+    """A figure's name without an ending, and the text in its place for who cannot see it."""
+
+    name: str
+    text: str
+
+
+def draw(run: Run, folder: Path) -> dict[str, Drawn]:
+    """Draw what a run has numbers for: "error", "noise", "stability", "left_out"."""
     wanted: dict[str, tuple[bool, Callable[[Run], Figure], str]] = {
-        "error": (bool(run.contests), error, "Error against processor time, a panel for each scene and subject."),
-        "noise": (bool(run.contests), noise, "Noise and bias against samples, a panel for each scene and subject."),
-        "stability": (bool(run.cases), stability, "Extreme cases by group: passed, passed within a limit, failed."),
-        "left_out": (bool(run.left_out), left_out, "Render time of the universal material over each as it is built."),
+        "error": (bool(run.contests), error, "Error against processor time, a panel for each scene and subject"),
+        "noise": (bool(run.contests), noise, "Noise and bias against samples, a panel for each scene and subject"),
+        "stability": (bool(run.cases), stability, "Extreme cases by group: passed, passed within a limit, failed"),
+        "left_out": (bool(run.left_out), left_out, "Render time of the universal material over each as it is built"),
     }
-    texts = {}
+    drawn = {}
     with mpl.rc_context(STYLE):
-        for name, (there, made, text) in wanted.items():
+        for kind, (there, made, text) in wanted.items():
             if there:
-                stem = f"{name}-{run.blender}"
-                _save(made(run), folder / stem)
-                texts[stem] = text
-    return texts
+                drawn[kind] = Drawn(f"{kind}-{run.blender}", text)
+                _save(made(run), folder / drawn[kind].name)
+    return drawn
 
 
 def _save(figure: Figure, stem: Path) -> None:
     for ending, metadata in ((".png", {"Software": None}), (".svg", {"Date": None})):
         with replacing(stem.with_name(stem.name + ending)) as temporary:
             figure.savefig(temporary, dpi=DPI, metadata=metadata)
+        figure.set_layout_engine("none")  # it is laid out now, and takes long to be laid out again
 
 
 def error(run: Run) -> Figure:
@@ -144,7 +151,7 @@ def _finish(
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         for axis in (ax.xaxis, ax.yaxis):
-            axis.set_minor_formatter(NullFormatter())
+            axis.set_minor_locator(NullLocator())  # most of a figure's time goes to ticks
         first, last = (np.floor(np.log10(low * np.sqrt(x[0]))), np.ceil(np.log10(high * np.sqrt(x[1]))))
         for power in np.arange(first, last + 0.5, 0.5):
             ax.plot(x, 10.0**power / np.sqrt(x), **SLANTED, zorder=0)

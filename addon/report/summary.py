@@ -14,17 +14,18 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .findings import Contest, Curve, LeftOut, Reached, Run
+    from .plots import Drawn
 
 FILE = "report.md"
 
 
-def write(path: Path, found: list[Run], machine: Mapping[str, Any], figures: Mapping[str, Mapping[str, str]]) -> None:
-    """figures: by Blender, the alternative texts by name of what lies in plots/ beside ``path``."""
+def write(path: Path, found: list[Run], machine: Mapping[str, Any], figures: Mapping[str, Mapping[str, Drawn]]) -> None:
+    """figures: by Blender and kind, what lies in plots/ beside ``path``."""
     with replacing(path) as temporary:
         temporary.write_text(markdown(found, machine, figures), encoding="utf-8")
 
 
-def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str, Mapping[str, str]]) -> str:
+def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str, Mapping[str, Drawn]]) -> str:
     lines = [
         "# Error against run time, stability, and what was left out",
         "",
@@ -32,9 +33,10 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
         "Errors are root mean squares, as shares of the truth's. Times are of the processor unless said otherwise.",
     ]
     for run in found:
-        images = [f"![{text}](plots/{name}.png)" for name, text in figures.get(run.blender, {}).items()]
+        drawn = figures.get(run.blender, {})
+        images = {kind: ["", f"![{one.text}](plots/{one.name}.png)"] for kind, one in drawn.items()}
         lines += ["", f"## {title(run)}", "", *(f"- {line}" for line in headlines(run))]
-        lines += [line for image in images for line in ("", image)]
+        lines += images.get("error", []) + images.get("noise", [])
         if run.wins:
             lines += ["", "### Who errs least at a time", "", WINS, "", *_table(*win_rows(run))]
         if run.contests:
@@ -42,9 +44,9 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
         for contest in run.contests:
             lines += ["", f"#### {contest.title}", "", about(contest), "", *_table(CURVE_COLUMNS, curve_rows(contest))]
         if run.cases:
-            lines += ["", "### Extreme cases", "", *_table(CASE_COLUMNS, case_rows(run))]
+            lines += ["", "### Extreme cases", *images.get("stability", []), "", *_table(CASE_COLUMNS, case_rows(run))]
         if run.left_out:
-            lines += ["", "### What was left out", "", *_table(LEFT_OUT_COLUMNS, left_out_rows(run))]
+            lines += ["", "### What was left out", *images.get("left_out", []), "", *_table(LEFT_OUT_COLUMNS, left_out_rows(run))]
     return "\n".join([*lines, ""])
 
 
@@ -97,8 +99,8 @@ def _unbiased(run: Run) -> str:
 
 def _winners(run: Run) -> str:
     factors = {name: [win.over[name] for _, win in run.wins if name in win.over] for name in AGAINST}
-    said = [f"{name} {times(median(values))}" for name, values in factors.items() if values]
-    return f"At the same time as the best estimator, in the median, {' and '.join(said)} as much error." if said else ""
+    said = [f"{name} errs {times(median(values))}" for name, values in factors.items() if values]
+    return f"After the same time, in the median, {' and '.join(said)} as much as the best estimator." if said else ""
 
 
 def _automatic(run: Run) -> str:
@@ -129,7 +131,9 @@ def _savings(run: Run) -> str:
         f"One universal material takes {times(median(ratios))} as long as a material that holds only what it needs, in the "
         f"median of {len(ratios)} cases ({min(ratios):.3g} to {max(ratios):.3g})"
     )
-    return f"{line}; the pictures differ in {', '.join(differing)}." if differing else f"{line}; the pictures are the same."
+    if differing:
+        return f"{line}; the pictures differ in {', '.join(differing)}."
+    return f"{line}; the pictures are the same." if all(case.compared for case in run.left_out) else f"{line}."
 
 
 def _stability(run: Run) -> str:
@@ -174,7 +178,7 @@ def curve_rows(contest: Contest) -> list[list[str]]:
             curve.name,
             f"{number(curve.slope.value)} ± {curve.slope.error:.2f}" if curve.slope else "",
             bias(curve),
-            *(f"{reached(curve.time_to(at, 'cpu'))} ({reached(curve.time_to(at, 'wall'))})" for at in TARGETS),
+            *(both(curve.time_to(at, "cpu"), curve.time_to(at, "wall")) for at in TARGETS),
             f"{curve.flip[-1]:.3g}" if curve.flip is not None else "",
             curve.differs,
         ]
@@ -204,10 +208,16 @@ def left_out_rows(run: Run) -> list[list[str]]:
         return [
             case.case, case.scene, case.backend, times(case.time), f"{case.spread[0]:.2f} to {case.spread[1]:.2f}",
             times(case.first) if case.first is not None else "", pair(case.nodes), pair(case.instructions),
-            pair(case.memory_mb), ", ".join(case.dropped), "same picture" if case.same else "DIFFERS",
+            pair(case.memory_mb), ", ".join(case.dropped), _same(case),
         ]  # fmt: skip
 
     return [row(case) for case in sorted(run.left_out, key=lambda case: case.time, reverse=True)]
+
+
+def _same(case: LeftOut) -> str:
+    if not case.compared:
+        return ""
+    return "same picture" if case.same else "DIFFERS"
 
 
 def bias(curve: Curve) -> str:
@@ -218,6 +228,10 @@ def reached(at: Reached) -> str:
     if at.seconds is not None:
         return f"{'≤ ' if at.within else ''}{at.seconds:.3g} s"
     return f"floor {percent(at.value)}" if at.limit == "floor" else f"> {at.value:.3g} s"
+
+
+def both(cpu: Reached, wall: Reached) -> str:
+    return reached(cpu) if cpu.limit == "floor" else f"{reached(cpu)} ({reached(wall)})"
 
 
 def percent(share: float) -> str:
