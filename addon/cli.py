@@ -589,7 +589,9 @@ def report(
         typer.Option("-o", "--output", metavar="DIR", help="Made if it is not there; what it has measured is kept"),
     ] = None,
     *,
-    quick: Annotated[bool, typer.Option("--quick", help="A few minutes instead of an hour: less of everything")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A few minutes instead of an hour: less of everything")
+    ] = False,
     source: Annotated[
         Path | None, typer.Option("--from", metavar="REPORT.json", help="Draw anew, and render nothing")
     ] = None,

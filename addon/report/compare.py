@@ -128,13 +128,13 @@ def _accuracy(a: Run, b: Run, limit: float) -> Iterator[Change]:
 
 
 def rmse_error(curve: Curve, seeds: int) -> NDArray[np.float64]:
-    """Standard error of the root mean square of an error, by the cell's own figures.
+    """Standard error of the root mean square of an error, by the cell's own figures; rather too large than too small.
 
-    With v the variance in a pixel, summed over P pixels: the error e of noise^2, by a variance of S seeds, is
-    e^2 = sum 2 v^2 / (S - 1) / P^2, and that of bias^2 at least sum 2 (v / S)^2 / P^2 (``statistics.error``). So e is at
-    most S / sqrt(S - 1) of the latter; mean and variance are independent, and d(rmse) = d(rmse^2) / (2 rmse).
+    ``statistics.error`` takes bias^2 from products of two of S seeds, so that bias^2 + noise^2 is the mean of the
+    seeds' squares. Its variance is that of one seed's, sum (2 v^2 + 4 b^2 v) / P^2 with v the variance in a pixel, over S;
+    that of bias^2 is sum (2 (v / S)^2 + 4 b^2 v / S) / P^2, at least a share 1 / S of it. And d(x) = d(x^2) / (2 x).
     """
-    total = curve.bias2_error * np.sqrt(1.0 + seeds**2 / max(seeds - 1, 1))
+    total = curve.bias2_error * np.sqrt(seeds)
     return total / np.maximum(2.0 * curve.rmse, np.finfo(np.float64).tiny)
 
 
@@ -149,7 +149,9 @@ def _time(
     where: tuple[NDArray[np.intp], NDArray[np.intp]],
 ) -> Iterator[Change]:
     """Over the first peer of Cycles' that both cells have."""
-    names = [name for name, curve in contests[0].curves.items() if curve.peer == "cycles" and name in contests[1].curves]
+    names = [
+        name for name, curve in contests[0].curves.items() if curve.peer == "cycles" and name in contests[1].curves
+    ]
     if not names or curves[0].name == names[0]:
         return
     ratios = []

@@ -25,6 +25,7 @@ TARGETS = (0.02, 0.01)  # errors, the time to which is told
 SLOPE_RANGE = (2**6, 2**12)  # samples
 TOLD = 3.0  # standard errors by which a bias must exceed 0 to be told from it
 CLOSE = 1.1  # Automatic's error over the winner's that still counts as good a choice
+NUMBERS = ("rmse", "bias2", "bias2_error", "noise", "wall", "cpu")  # of a contender, one a sample count
 AGAINST = ("closure", "mirror")  # what a winner is held against
 
 
@@ -228,7 +229,7 @@ class Contest:
         """At each of 1, 2, 5, 10, ... seconds and their parts that every rival was measured at."""
         if not self.rivals:
             return []
-        last = min(float(curve.cpu.max()) for curve in self.rivals)
+        last = min(float(np.max(curve.cpu)) for curve in self.rivals)
         return [self._win(seconds) for seconds in _round_times(self.judged_from, last)]
 
     def _win(self, seconds: float) -> Win:
@@ -359,11 +360,10 @@ def _contest(cell: dict[str, Any]) -> Contest:
 
 
 def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any]) -> Curve:
-    numbers = {key: np.asarray(one[key], np.float64) for key in ("rmse", "bias2", "bias2_error", "noise")}
-    times = {key: np.asarray(one[key], np.float64) for key in ("wall", "cpu")}
+    numbers: dict[str, Any] = {key: np.asarray(one[key], np.float64) for key in NUMBERS}
     flip = np.asarray(one["flip"], np.float64) if one.get("flip") else None
-    words = {key: one.get(key) or "" for key in ("estimator", "backend", "peer", "differs")}
-    return Curve(name, samples=samples, flip=flip, **words, **numbers, **times)
+    words: dict[str, Any] = {key: one.get(key) or "" for key in ("estimator", "backend", "peer", "differs")}
+    return Curve(name, samples=samples, flip=flip, **words, **numbers)
 
 
 def _case(group: str, case: dict[str, Any]) -> Case:
@@ -377,9 +377,9 @@ def _left_out(name: str, cell: dict[str, Any]) -> LeftOut:
     pairs = {key: tuple(cell[key]) if cell.get(key) else None for key in ("nodes", "instructions", "memory_mb")}
     spread = cell.get("spread") or (cell["time"], cell["time"])
     return LeftOut(
-        name, cell.get("preset", name), cell.get("scene", ""), cell.get("backend", ""), tuple(cell.get("dropped") or ()),
-        time=cell["time"], spread=(spread[0], spread[1]), first=cell.get("first"), difference=cell.get("difference"),
-        bar=cell.get("bar"), **pairs,
+        name, cell.get("preset", name), cell.get("scene", ""), cell.get("backend", ""),
+        tuple(cell.get("dropped") or ()), time=cell["time"], spread=(spread[0], spread[1]), first=cell.get("first"),
+        difference=cell.get("difference"), bar=cell.get("bar"), **pairs,
     )  # fmt: skip
 
 

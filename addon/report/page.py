@@ -69,8 +69,8 @@ def write(
         for one in drawn.values()
     }
     text = template.render(
-        runs=found, machine=summary.machine_text(machine), figures=figures, vectors=vectors, pictures=shown, say=summary,
-        amplified=AMPLIFIED,
+        runs=found, machine=summary.machine_text(machine), figures=figures, vectors=vectors, pictures=shown,
+        say=summary, amplified=AMPLIFIED,
     )  # fmt: skip
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
@@ -94,7 +94,7 @@ def looks(contest: Contest, folder: Path) -> Pictures | None:
 def _png(picture: NDArray[np.floating]) -> str:
     """(H, W, 3) of 0..1 in a data URL; brighter is clipped."""
     buffer = BytesIO()
-    image.imsave(buffer, np.uint8(np.rint(255.0 * np.clip(picture, 0.0, 1.0))), format="png", metadata={"Software": None})
+    image.imsave(buffer, np.uint8(np.rint(255.0 * np.clip(picture, 0.0, 1.0))), format="png")
     return _url("png", buffer.getvalue())
 
 

@@ -52,7 +52,7 @@ PEERS = {
     "Principled BSDF": ("#888888", (6, 1.5, 1.5, 1.5)),
     "": ("#000000", (8, 3)),  # another renderer's
 }
-SLANTED = {"c": "#888888", "lw": 0.4, "alpha": 0.5}  # lines of slope -1/2
+SLANTED: dict[str, Any] = {"c": "#888888", "lw": 0.4, "alpha": 0.5}  # lines of slope -1/2
 PASSED, LIMITED, FAILED = "#009e73", "#a6dccb", "#d55e00"
 PANEL = (2.7, 2.1)  # inches
 
@@ -143,7 +143,7 @@ def _finish(
     """The same logarithmic axes for all panels, lines of slope -1/2 to hold curves against, and one legend."""
     left, right = float(np.min(np.concatenate(across))), float(np.max(np.concatenate(across)))
     heights = np.concatenate(up)
-    low, high = float(np.quantile(heights[heights > 0.0], 0.005)), float(heights.max())
+    low, high = float(np.quantile(heights[heights > 0.0], 0.005)), float(np.max(heights))
     low, high = max(low, 1e-5) / 1.5, min(high, 10.0) * 1.5
     x = np.array([left / 1.3, right * 1.3])
     for _, ax in panels:
@@ -155,7 +155,9 @@ def _finish(
         first, last = (np.floor(np.log10(low * np.sqrt(x[0]))), np.ceil(np.log10(high * np.sqrt(x[1]))))
         for power in np.arange(first, last + 0.5, 0.5):
             ax.plot(x, 10.0**power / np.sqrt(x), **SLANTED, zorder=0)
-    figure.legend(handles=_legend([contest for contest, _ in panels]), loc="outside upper center", ncols=7, frameon=False)
+    figure.legend(
+        handles=_legend([contest for contest, _ in panels]), loc="outside upper center", ncols=7, frameon=False
+    )
 
 
 def _looks(contest: Contest) -> Iterator[tuple[Curve, dict[str, Any]]]:
@@ -202,7 +204,9 @@ def stability(run: Run) -> Figure:
             ax.add_patch(Rectangle((column + 0.06, row + 0.06), 0.88, 0.88, color=colour, lw=0))
             if not case.passed:
                 ax.plot([column + 0.5], [row + 0.5], "x", c="white", ms=4)
-    ax.set(xlim=(0, most), ylim=(len(groups), 0), yticks=np.arange(len(groups)) + 0.5, yticklabels=list(groups), xticks=[])
+    ax.set(
+        xlim=(0, most), ylim=(len(groups), 0), yticks=np.arange(len(groups)) + 0.5, yticklabels=list(groups), xticks=[]
+    )
     ax.set_aspect("equal", anchor="W")
     ax.grid(visible=False)
     ax.spines[:].set_visible(False)
@@ -229,7 +233,9 @@ def left_out(run: Run) -> Figure:
             ax.plot([cases[index].time for index in here], y[here], "o", c=colour, ms=5, label=backend)
     ax.axvline(1.0, c="#666666", lw=1)
     ax.axvline(float(np.median([case.time for case in cases])), c="#666666", lw=1, ls="--", label="median")
-    ax.set(yticks=y, yticklabels=[case.case for case in cases], xlabel="render time of the universal material / as built")
+    ax.set(
+        yticks=y, yticklabels=[case.case for case in cases], xlabel="render time of the universal material / as built"
+    )
     ax.set(xlim=(min(0.9, *(case.spread[0] for case in cases)), None), ylim=(-0.6, len(cases) - 0.4))
     ax.grid(visible=False, axis="y")
     figure.legend(loc="outside upper center", ncols=3, frameon=False)

@@ -46,7 +46,13 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
         if run.cases:
             lines += ["", "### Extreme cases", *images.get("stability", []), "", *_table(CASE_COLUMNS, case_rows(run))]
         if run.left_out:
-            lines += ["", "### What was left out", *images.get("left_out", []), "", *_table(LEFT_OUT_COLUMNS, left_out_rows(run))]
+            lines += [
+                "",
+                "### What was left out",
+                *images.get("left_out", []),
+                "",
+                *_table(LEFT_OUT_COLUMNS, left_out_rows(run)),
+            ]
     return "\n".join([*lines, ""])
 
 
@@ -74,8 +80,8 @@ def machine_text(machine: Mapping[str, Any]) -> str:
 
 def headlines(run: Run) -> list[str]:
     """What a report says in a sentence each; only what it has numbers for."""
-    return [line for line in (_slopes(run), _unbiased(run), _winners(run), _automatic(run), _backends(run), _savings(run),
-                              _stability(run)) if line]  # fmt: skip
+    said = (_slopes, _unbiased, _winners, _automatic, _backends, _savings, _stability)
+    return [line for line in (of(run) for of in said) if line]
 
 
 def _slopes(run: Run) -> str:
@@ -83,8 +89,8 @@ def _slopes(run: Run) -> str:
     if not slopes:
         return ""
     return (
-        f"The noise of mirror falls as samples to the power of {number(median(slopes))}, the median of {len(slopes)} scenes "
-        f"({number(min(slopes))} to {number(max(slopes))})."
+        f"The noise of mirror falls as samples to the power of {number(median(slopes))}, the median of "
+        f"{len(slopes)} scenes ({number(min(slopes))} to {number(max(slopes))})."
     )
 
 
@@ -119,7 +125,9 @@ def _automatic(run: Run) -> str:
 
 def _backends(run: Run) -> str:
     ratios = [ratio for contest in run.contests for ratio in contest.osl_over_nodes.values()]
-    return f"A sample takes {times(median(ratios))} as long as OSL as it does as nodes, in the median." if ratios else ""
+    return (
+        f"A sample takes {times(median(ratios))} as long as OSL as it does as nodes, in the median." if ratios else ""
+    )
 
 
 def _savings(run: Run) -> str:
@@ -128,8 +136,8 @@ def _savings(run: Run) -> str:
     ratios = [case.time for case in run.left_out]
     differing = [case.case for case in run.left_out if not case.same]
     line = (
-        f"One universal material takes {times(median(ratios))} as long as a material that holds only what it needs, in the "
-        f"median of {len(ratios)} cases ({min(ratios):.3g} to {max(ratios):.3g})"
+        f"One universal material takes {times(median(ratios))} as long as a material that holds only what it needs, in "
+        f"the median of {len(ratios)} cases ({min(ratios):.3g} to {max(ratios):.3g})"
     )
     if differing:
         return f"{line}; the pictures differ in {', '.join(differing)}."
@@ -141,7 +149,8 @@ def _stability(run: Run) -> str:
         return ""
     failed = [f"{case.group}: {case.what} {case.value}" for case in run.cases if not case.passed]
     limited = sum(bool(case.limit) for case in run.cases if case.passed)
-    line = f"{len(run.cases) - len(failed)} of {len(run.cases)} extreme cases pass, {limited} of them within a stated limit"
+    passed = f"{len(run.cases) - len(failed)} of {len(run.cases)} extreme cases pass"
+    line = f"{passed}, {limited} of them within a stated limit"
     return f"{line}; failed: {'; '.join(failed)}." if failed else f"{line}."
 
 
