@@ -131,8 +131,8 @@ def rmse_error(curve: Curve, seeds: int) -> NDArray[np.float64]:
     """Standard error of the root mean square of an error, by the cell's own figures; rather too large than too small.
 
     ``statistics.error`` takes bias^2 from products of two of S seeds, so that bias^2 + noise^2 is the mean of the
-    seeds' squares. Its variance is that of one seed's, sum (2 v^2 + 4 b^2 v) / P^2 with v the variance in a pixel, over S;
-    that of bias^2 is sum (2 (v / S)^2 + 4 b^2 v / S) / P^2, at least a share 1 / S of it. And d(x) = d(x^2) / (2 x).
+    seeds' squares. Its variance is that of one seed's over S: sum (2 v^2 + 4 b^2 v) / S / P^2, with v the variance in a
+    pixel; that of bias^2 is sum (2 (v / S)^2 + 4 b^2 v / S) / P^2, at least a share 1 / S of it. And dx = d(x^2) / 2x.
     """
     total = curve.bias2_error * np.sqrt(seeds)
     return total / np.maximum(2.0 * curve.rmse, np.finfo(np.float64).tiny)
@@ -163,8 +163,8 @@ def _time(
         yield Change(*place, f"time over {names[0]}", times(ratios[0]), times(ratios[1]), worse=growth > 1.0)
 
 
-def _name(case: findings.Case) -> tuple[str, str, str]:
-    return case.group, case.what, case.value
+def _name(case: findings.Case) -> tuple[str, str, str, str]:
+    return case.group, case.what, case.value, case.setup
 
 
 def _stability(a: Run, b: Run) -> Iterator[Change]:
@@ -173,7 +173,14 @@ def _stability(a: Run, b: Run) -> Iterator[Change]:
         other = others.get(_name(case), case)
         if other.passed != case.passed:
             figures = ("passed", "FAILED") if case.passed else ("FAILED", "passed")
-            yield Change(b.blender, case.group, f"{case.what} {case.value}", "case", *figures, worse=case.passed)
+            yield Change(
+                b.blender,
+                case.group,
+                f"{case.what} {case.value} {case.setup}".strip(),
+                "case",
+                *figures,
+                worse=case.passed,
+            )
 
 
 def _left_out(a: Run, b: Run) -> Iterator[Change]:

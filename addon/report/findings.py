@@ -287,11 +287,12 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Case:
-    """An extreme case. limit: what the material holds a value to, if it does not do as asked."""
+    """An extreme case. setup: how it is rendered; limit: what is done in place of what was asked, "" if nothing."""
 
     group: str
     what: str
     value: str
+    setup: str
     finite: bool
     lowest: float | None
     highest: float | None
@@ -368,9 +369,18 @@ def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any]) -> Curv
 
 def _case(group: str, case: dict[str, Any]) -> Case:
     return Case(
-        group, case["what"], str(case["value"]), case["finite"], case.get("lowest"), case.get("highest"), case.get("z"),
-        case.get("limit") or "", case["passed"],
+        group, case["what"], _words(case["value"]), case.get("setup", ""), case["finite"], case.get("lowest"),
+        case.get("highest"), case.get("z"), case.get("limit") or "", case["passed"],
     )  # fmt: skip
+
+
+def _words(value: Any) -> str:
+    """A number in short, a table as its names and values."""
+    if isinstance(value, dict):
+        return ", ".join(f"{name.replace('_', ' ')} {_words(one)}" for name, one in value.items())
+    if isinstance(value, list):
+        return " ".join(_words(one) for one in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _left_out(name: str, cell: dict[str, Any]) -> LeftOut:

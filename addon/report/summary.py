@@ -29,7 +29,8 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
     lines = [
         "# Error against run time, stability, and what was left out",
         "",
-        f"Made by `vgroove report`, of the numbers in report.json; measured on {machine_text(machine)}.",
+        "`vgroove report -o DIR` measured this, and `vgroove report --from DIR/report.json` draws it anew; on",
+        f"{machine_text(machine)}.",
         "Errors are root mean squares, as shares of the truth's. Times are of the processor unless said otherwise.",
     ]
     for run in found:
@@ -66,7 +67,7 @@ CURVES = (
     "0. Times: of the processor, and in brackets by the clock."
 )
 CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for target in TARGETS), "FLIP", "differs")
-CASE_COLUMNS = ("group", "what", "value", "lowest", "highest", "Z", "limit", "")
+CASE_COLUMNS = ("group", "what", "value", "run as", "lowest", "highest", "Z", "limit", "")
 LEFT_OUT_COLUMNS = ("case", "scene", "run as", "time", "spread", "first", "nodes", "instructions", "MB", "dropped", "")
 
 
@@ -147,7 +148,7 @@ def _savings(run: Run) -> str:
 def _stability(run: Run) -> str:
     if not run.cases:
         return ""
-    failed = [f"{case.group}: {case.what} {case.value}" for case in run.cases if not case.passed]
+    failed = [f"{case.group}: {case.what} {case.value} {case.setup}".rstrip() for case in run.cases if not case.passed]
     limited = sum(bool(case.limit) for case in run.cases if case.passed)
     passed = f"{len(run.cases) - len(failed)} of {len(run.cases)} extreme cases pass"
     line = f"{passed}, {limited} of them within a stated limit"
@@ -200,8 +201,8 @@ def case_rows(run: Run) -> list[list[str]]:
     ordered = sorted(run.cases, key=lambda case: case.passed)
     return [
         [
-            case.group, case.what, case.value, plain(case.lowest), plain(case.highest), plain(case.z), case.limit,
-            "passed" if case.passed else "FAILED",
+            case.group, case.what, case.value, case.setup, plain(case.lowest), plain(case.highest), plain(case.z),
+            case.limit, "passed" if case.passed else "FAILED",
         ]
         for case in ordered
     ]  # fmt: skip
