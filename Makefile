@@ -5,18 +5,22 @@ UV := $(shell command -v uv 2>/dev/null || echo .tools/uv/bin/uv)
 RUN = $(UV) run --quiet
 RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 
-.PHONY: demo test test-4.5 lint check bench previews assets package clean
+.PHONY: demo test test-4.5 test-all lint check bench previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
 
-test test-4.5: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
+test test-4.5 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
 
-test: | $(UV)  ## every test, on Blender 5.2
+test: | $(UV)  ## every test, on Blender 5.2; of grids of renders each pair of values
 	$(RUN) pytest -n auto
 
-test-4.5: | $(UV)  ## the same tests, on Blender 4.5
-	$(RUN_45) pytest -n auto
+test-4.5: | $(UV)  ## the same on Blender 4.5; of grids of renders each value
+	$(RUN_45) pytest -n auto --cover 1
+
+test-all: | $(UV)  ## every row of every grid, on both
+	$(RUN) pytest -n auto --cover 0
+	$(RUN_45) pytest -n auto --cover 0
 
 lint: | $(UV)  ## format, lint, types
 	$(RUN) ruff format --check .

@@ -143,11 +143,23 @@ def _measure(
     seed: int,
     shading_osl: bool,  # noqa: FBT001
 ) -> NDArray[np.float32]:
-    with stage(geometry.resolution, samples=samples, seed=seed, shading_osl=shading_osl) as scene:
-        lamps = light(scene, geometry)
-        _patch(scene, make(lamps), inside=geometry.inside)
-        _camera(scene, geometry)
+    with instrument(make, geometry, samples=samples, seed=seed, shading_osl=shading_osl) as scene:
         return rendered(scene)
+
+
+@contextmanager
+def instrument(
+    make: Callable[[tuple[Object, ...]], Material], geometry: Geometry, *,
+    samples: int = 1, seed: int = 0, shading_osl: bool = False,
+) -> Iterator[Scene]:  # fmt: skip
+    """The scene that ``measure`` renders, for who renders it more than once; its one mesh is the patch.
+
+    make: the patch's material, given the lamps.
+    """
+    with stage(geometry.resolution, samples=samples, seed=seed, shading_osl=shading_osl) as scene:
+        _patch(scene, make(light(scene, geometry)), inside=geometry.inside)
+        _camera(scene, geometry)
+        yield scene
 
 
 @contextmanager

@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender is prepared before anything imports it; each Blender test starts from an empty file."""
+"""Blender is prepared before anything imports it; each Blender test starts from an empty file.
+
+A test that renders a grid of rows (models, estimators, backends, slopes, ...) is run on some of them, chosen so that
+each value, or each pair of values of two parameters, is in one of them at least: what breaks does so for a value or for
+two that meet. ``--cover`` says which; `make test-all` runs every row.
+"""
 
 import contextlib
+from itertools import combinations
 
 import numpy as np
 import psutil
@@ -18,6 +24,36 @@ from vgroove.addon.batch.outcome import RECORD, read_record  # noqa: E402
 from vgroove.addon.batch.task import Renderer  # noqa: E402
 
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
+
+
+def pytest_addoption(parser):
+    text = "rows of Blender tests: 0 all, 1 each value once at least, 2 each pair of values"
+    parser.addoption("--cover", type=int, choices=(0, 1, 2), default=2, help=text)
+
+
+def pytest_collection_modifyitems(config, items):
+    strength, rows = config.getoption("--cover"), {}
+    for item in items:
+        if strength and item.get_closest_marker("blender") and hasattr(item, "callspec"):
+            rows.setdefault((item.path, item.originalname), []).append(item)
+    kept = {item for of in rows.values() for item in covering(of, strength)}
+    left = {item for of in rows.values() for item in of} - kept
+    if left:
+        config.hook.pytest_deselected(items=list(left))
+        items[:] = [item for item in items if item not in left]
+
+
+def covering(rows, strength):
+    """Rows that hold all that any holds: values, or pairs of them; each time the one that holds most of the rest."""
+    holds = {}
+    for row in rows:
+        values = list(enumerate(row.callspec.id.split("-")))
+        holds[row] = set(combinations(values, min(strength, len(values))))
+    wanted = set().union(*holds.values())
+    while wanted:
+        best = max(rows, key=lambda row: len(holds[row] & wanted))
+        yield best
+        wanted -= holds[best]
 
 
 @pytest.fixture

@@ -1,14 +1,197 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""To come."""
+"""Error against run time: each scene and subject by each estimator, backend and peer, from 4 to 4096 samples a pixel.
+
+A cell holds, for each contender, one number a sample count: ``bias``, ``noise`` and ``rmse`` as ``statistics`` defines
+them, FLIP of the whole picture, and seconds of the render call, by the wall and by the processor (median of seeds). A
+render of one sample goes before each contender's, which loads and compiles it. Seeds go round all contenders, so that
+what else the machine does falls on all alike.
+
+The truth of a furnace is the reference's albedo. Elsewhere it is the sum of two pictures that ``vgroove check`` holds
+against the reference: the world by ``mirror`` and the lamp by ``direct``, several of each by seeds of their own.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import time
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from .. import gonio, headless, images, scene
+from ..files import replacing
+from ..reference import albedo
+from . import contenders, statistics
+from .flip import flip
+from .record import Cell
+from .scenes import stage
 
 if TYPE_CHECKING:
-    from .record import Cell
+    from pathlib import Path
+
+    from bpy.types import Material
+    from numpy.typing import NDArray
+
+    from ..presets import Preset
+    from .contenders import Contender
+    from .scenes import Stage
+
+SIZE = 24
+SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
+COUNTS, QUICK_COUNTS = (4, 16, 64, 256, 1024, 4096), (16, 64, 256)
+PICTURE_SIZE, PICTURE_SAMPLES = 64, 64
+TRUTHS, FIRST_TRUTH = 4, 101  # how many, and the first one's seed
+WORLD_SAMPLES, LAMP_SAMPLES = 16384, 16384  # of each truth; a dim sky beside a lamp takes a sixteenth
+QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
+LIT = ("environment", "softbox", "sun")
+PAIRS = (
+    *((name, of) for of in ("copper", "plaster", "plastic") for name in ("furnace", *LIT)),
+    *((name, of) for of in ("satin", "rough") for name in ("environment", "softbox")),
+    ("checker", "frosted"),
+)
+BOTH_BACKENDS = "copper"  # the others' OSL shaders differ in time alone, and by as much
+QUICK_PAIRS = (("furnace", "copper"), ("sun", "copper"), ("softbox", "plaster"))
 
 
 def cells(*, quick: bool) -> list[Cell]:
-    del quick
-    return []
+    pairs = QUICK_PAIRS if quick else PAIRS
+    return [Cell(f"accuracy/{name}/{of}", partial(measure, name=name, subject=of, quick=quick)) for name, of in pairs]
+
+
+def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, Any]:
+    """One scene and subject."""
+    counts = QUICK_COUNTS if quick else COUNTS
+    preset = contenders.subjects()[subject]
+    backends = ("nodes", "osl") if subject == BOTH_BACKENDS else ("nodes",)
+    with headless.quiet(), stage(name, SIZE) as shown:
+        rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
+        truths = truth(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
+        found = _race(shown, rivals, counts)
+        scored = {rival.label: _scored(rival, found[rival.label], truths, shown) for rival in rivals}
+        auto = [_picked(shown, preset, samples) for samples in counts]
+    return {
+        "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m,
+        "size": SIZE, "samples": list(counts), "seeds": [_seeds(samples) for samples in counts], "truth": _said(name),
+        "contenders": scored,
+        "auto": auto, "pictures": None if name == "furnace" else pictures(folder, name, subject, preset),
+    }  # fmt: skip
+
+
+def truth(shown: Stage, name: str, preset: Preset, fewer: int = 1) -> NDArray[np.float64]:
+    """Pictures of what is true, (A, H, W, 3): one without noise in a furnace, else independent ones."""
+    size = shown.seen.shape[0]
+    if name == "furnace":
+        column = gonio.Geometry(furnace=True, resolution=(size, size)).wo()[:, :1]
+        return np.broadcast_to(albedo(preset.reference(), column), (1, size, size, 3))
+    return np.stack([_true(shown, preset, seed, fewer) for seed in range(FIRST_TRUTH, FIRST_TRUTH + TRUTHS)])
+
+
+def _true(shown: Stage, preset: Preset, seed: int, fewer: int) -> NDArray[np.float64]:
+    """The world by ``mirror``, the lamp by ``direct``."""
+    total, lamp, of = np.zeros((*shown.seen.shape, 3)), shown.lamp, shown.scene
+    made = {rival.estimator: rival for rival in contenders.ours(preset, ("nodes",), lamps=lamp is not None)}
+    world_samples = WORLD_SAMPLES // fewer
+    if lamp is not None:
+        world, of.world = of.world, None
+        shown.item.active_material = made["direct"].make(of)
+        total += _render(shown, LAMP_SAMPLES // fewer, seed)[0]
+        of.world = world
+        lamp.hide_render = True
+        world_samples //= 16
+    shown.item.active_material = made["mirror"].make(of)
+    total += _render(shown, world_samples, seed)[0]
+    if lamp is not None:
+        lamp.hide_render = False
+    return total
+
+
+@dataclass
+class Taken:
+    """The pictures of a contender at one sample count, by seed, and what each took, by wall and processor."""
+
+    pictures: list[NDArray[np.float64]] = field(default_factory=list)
+    wall: list[float] = field(default_factory=list)
+    cpu: list[float] = field(default_factory=list)
+
+
+def _race(shown: Stage, rivals: list[Contender], counts: tuple[int, ...]) -> dict[str, list[Taken]]:
+    """Of each contender what it took at each count."""
+    made: dict[str, Material] = {rival.label: rival.make(shown.scene) for rival in rivals}
+    found = {rival.label: [Taken() for _ in counts] for rival in rivals}
+    for seed in range(1, SEEDS + 1):
+        for rival in rivals:
+            shown.item.active_material = made[rival.label]
+            shown.scene.cycles.shading_system = rival.osl
+            _render(shown, 1, seed)
+            for samples, taken in zip(counts, found[rival.label], strict=True):
+                if seed <= _seeds(samples):
+                    picture, wall, cpu = _render(shown, samples, seed)
+                    taken.pictures.append(picture)
+                    taken.wall.append(wall)
+                    taken.cpu.append(cpu)
+    return found
+
+
+def _seeds(samples: int) -> int:
+    return SEEDS if samples < MANY else FEWER_SEEDS
+
+
+def _render(shown: Stage, samples: int, seed: int) -> tuple[NDArray[np.float64], float, float]:
+    """The picture, and the seconds that its render took, by the wall and by the processor."""
+    shown.scene.cycles.samples, shown.scene.cycles.seed = samples, seed
+    wall, cpu = time.perf_counter(), time.process_time()
+    picture = gonio.rendered(shown.scene)
+    return picture.astype(np.float64), time.perf_counter() - wall, time.process_time() - cpu
+
+
+def _scored(rival: Contender, found: list[Taken], truths: NDArray[np.float64], shown: Stage) -> dict[str, Any]:
+    """What a contender errs by, and the time that it takes, at each sample count."""
+    exact, reference = truths[:, shown.seen], truths.mean(axis=0)
+    errors = [statistics.error(np.stack(taken.pictures)[:, shown.seen], exact) for taken in found]
+    return {
+        "estimator": rival.estimator, "backend": rival.backend, "peer": rival.peer, "differs": rival.differs,
+        "rmse": [one.rmse for one in errors],
+        "bias2": [one.bias2 for one in errors], "bias2_error": [one.bias2_error for one in errors],
+        "noise": [one.noise for one in errors],
+        "flip": [float(np.mean([flip(reference, one) for one in taken.pictures])) for taken in found],
+        "wall": [float(np.median(taken.wall)) for taken in found],
+        "cpu": [float(np.median(taken.cpu)) for taken in found],
+    }  # fmt: skip
+
+
+def _picked(shown: Stage, preset: Preset, samples: int) -> str:
+    shown.scene.cycles.samples = samples
+    return scene.pick_estimator(shown.scene, preset.m, preset.model)
+
+
+def _said(name: str) -> str:
+    if name == "furnace":
+        return "the reference's directional albedo at each pixel's direction"
+    seeds = f"{TRUTHS} independent pictures"
+    return (
+        f"{seeds} by mirror"
+        if name in {"environment", "checker"}
+        else f"{seeds}: the lamp by direct, the sky by mirror"
+    )
+
+
+def pictures(folder: Path, name: str, subject: str, preset: Preset) -> dict[str, Any]:
+    """Larger pictures to look at, as linear EXRs in the report's folder: the truth, and each contender in SVM."""
+    found: dict[str, Any] = {"samples": PICTURE_SAMPLES, "files": {}}
+    target = folder / "pictures"
+    target.mkdir(exist_ok=True)
+    with headless.quiet(), stage(name, PICTURE_SIZE) as shown:
+        rivals = [*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.peers(preset)]
+        drawn = {"reference": _true(shown, preset, FIRST_TRUTH, fewer=8)}
+        for rival in rivals:
+            shown.item.active_material = rival.make(shown.scene)
+            drawn[rival.label] = _render(shown, PICTURE_SAMPLES, 1)[0]
+        for label, picture in drawn.items():
+            path = target / f"{name}-{subject}-{label.split(',')[0].replace(' ', '_').lower()}.exr"
+            with replacing(path) as temporary:
+                images.write(temporary, picture.astype(np.float32), {})
+            found["files"][label] = f"pictures/{path.name}"
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return found

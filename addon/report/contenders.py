@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is held against each other: every estimator and backend of a subject, and Cycles' own materials beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .. import material, presets, scene
+from ..material import BUILDERS, Choice
+from .scenes import new_material
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from bpy.types import Material, Scene
+
+    from ..presets import Preset
+
+
+def subjects() -> dict[str, Preset]:
+    """The materials that are shown, by what a report calls them."""
+    copper = presets.find("lecture/copper")
+    return {
+        "satin": copper.with_parameters(m=0.1),
+        "copper": copper,
+        "rough": copper.with_parameters(m=0.6),
+        "plaster": presets.find("diffuse/plaster"),
+        "plastic": presets.find("plastics/red_plastic"),
+        "frosted": presets.find("glasses/frosted_glass"),
+    }
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A way to show a subject. peer: "" of ours, else whose it is; differs: in what its model is another."""
+
+    label: str
+    make: Callable[[Scene], Material]
+    estimator: str = ""
+    backend: str = ""
+    peer: str = ""
+    differs: str = ""
+    osl: bool = False  # whether Cycles runs it as OSL
+
+
+def ours(preset: Preset, backends: tuple[str, ...], *, lamps: bool) -> Iterator[Contender]:
+    """Every estimator that shows something else than another: without lamps corrected is fit, and direct is black."""
+    for backend in backends:
+        for estimator in BUILDERS[preset.model]:
+            if lamps or estimator not in material.EVERY_LAMP:
+                yield Contender(
+                    f"{estimator}, {backend}", _maker(preset, estimator, backend), estimator, backend,
+                    osl=backend == "osl",
+                )  # fmt: skip
+
+
+def _maker(preset: Preset, estimator: str, backend: str) -> Callable[[Scene], Material]:
+    def make(shown: Scene) -> Material:
+        return material.build(preset, Choice(backend, estimator, scene.lamps_to_bind(shown, estimator, preset.model)))
+
+    return make
+
+
+def peers(preset: Preset) -> Iterator[Contender]:
+    """Cycles' own materials that an artist would take instead, with the preset's numbers."""
+    of: dict[str, Any] = preset.parameters
+    if preset.model == "cook_torrance":
+        colour, roughness = of["f0"], of["m"] ** 0.5
+        yield _peer(
+            "Metallic BSDF", "Smith's G, and light that bounces between facets is given back",
+            "BsdfMetallic", {"Base Color": colour, "Roughness": roughness}, distribution="BECKMANN", fresnel_type="F82",
+        )  # fmt: skip
+        yield _peer(
+            "Glossy BSDF", "Smith's G; reflects the same share at every angle",
+            "BsdfGlossy", {"Color": colour, "Roughness": roughness}, distribution="BECKMANN",
+        )  # fmt: skip
+        yield _peer(
+            "Principled BSDF", "GGX in place of Beckmann's D",
+            "BsdfPrincipled", {"Base Color": colour, "Metallic": 1.0, "Roughness": roughness},
+        )  # fmt: skip
+    elif preset.model == "oren_nayar":
+        yield _peer(
+            "Diffuse BSDF", "Fujii's fit of Oren and Nayar's model",
+            "BsdfDiffuse", {"Color": of["albedo"], "Roughness": of["sigma"]},
+        )  # fmt: skip
+        yield _peer(
+            "Principled BSDF", "Fujii's fit, under no coat",
+            "BsdfPrincipled",
+            {"Base Color": of["albedo"], "Diffuse Roughness": of["sigma"], "Specular IOR Level": 0.0},
+        )  # fmt: skip
+    elif preset.model == "sum":
+        yield _peer(
+            "Principled BSDF", "GGX, and what the coat mirrors is taken from the base; the preset has half of each",
+            "BsdfPrincipled", {"Base Color": of["albedo"], "IOR": of["eta"], "Roughness": of["m"] ** 0.5},
+        )  # fmt: skip
+    elif preset.model == "glass":
+        numbers = {"IOR": of["eta"], "Roughness": of["m"] ** 0.5}
+        yield _peer("Glass BSDF", "Smith's G", "BsdfGlass", {"Color": of["tint"], **numbers}, distribution="BECKMANN")
+        yield _peer(
+            "Principled BSDF", "GGX in place of Beckmann's D",
+            "BsdfPrincipled", {"Base Color": of["tint"], "Transmission Weight": 1.0, **numbers},
+        )  # fmt: skip
+
+
+def _peer(label: str, differs: str, node: str, inputs: dict[str, Any], **properties: str) -> Contender:
+    def make(_shown: Scene) -> Material:
+        made = new_material(label)
+        tree = made.node_tree
+        bsdf, output = tree.nodes.new(f"ShaderNode{node}"), tree.nodes.new("ShaderNodeOutputMaterial")
+        for name, value in properties.items():
+            setattr(bsdf, name, value)
+        for name, value in inputs.items():
+            bsdf.inputs[name].default_value = (*value, 1.0) if isinstance(value, tuple) else value
+        tree.links.new(bsdf.outputs[0], output.inputs["Surface"])
+        return made
+
+    return Contender(label, make, peer="cycles", differs=differs)

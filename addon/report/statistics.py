@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bias and noise of a render, told apart by independent seeds. Imports NumPy alone.
+
+I_s are S pictures of one estimator by seeds s, T_a are A independent pictures of the truth; the mean is over P pixels
+and three channels, and all is a share of the truth's root mean square.
+
+    bias^2  = mean of (I_s - T_a)(I_t - T_b) over all s != t, a != b: no picture is multiplied with itself, so that the
+              noise of neither is counted, and the figure is unbiased; it falls below 0 where there is no bias to tell
+    noise^2 = variance of I_s between seeds
+    rmse^2  = bias^2 + noise^2, of one picture
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Error:
+    """What a picture errs by. bias2 may be negative; bias2_error is its standard error."""
+
+    bias2: float
+    bias2_error: float
+    noise: float
+
+    @property
+    def rmse(self) -> float:
+        return float(np.sqrt(max(self.bias2, 0.0) + self.noise**2))
+
+
+def error(pictures: NDArray[np.floating], truths: NDArray[np.floating]) -> Error:
+    """Of S pictures (S, P, 3) against A truths (A, P, 3). A single truth is taken to be without noise.
+
+    The standard error of bias^2, where v is the variance, in each pixel, of the mean difference (by S seeds and A
+    truths) and b that difference: var = (2 v^2 + 4 b^2 v) / P^2, summed over pixels. Channels see the same samples and
+    are taken to be wholly correlated. ValueError if there are fewer than two pictures.
+    """
+    seen, exact = np.asarray(pictures, np.float64), np.asarray(truths, np.float64)
+    s, a = len(seen), len(exact)
+    if s < 2:
+        message = f"bias and noise need two pictures to be told apart, got {s}"
+        raise ValueError(message)
+    scale2 = scale(exact) ** 2
+    variance = np.var(seen, axis=0, ddof=1)
+    doubt = variance / s
+    off = seen[:, None] - exact[None]  # (S, A, P, 3)
+    total = off.sum(axis=(0, 1))
+    if a == 1:
+        products = total**2 - np.sum(off[:, 0] ** 2, axis=0)
+        pairs = s * (s - 1)
+    else:
+        doubt = doubt + np.var(exact, axis=0, ddof=1) / a
+        same_picture = np.sum(off.sum(axis=1) ** 2, axis=0)
+        same_truth = np.sum(off.sum(axis=0) ** 2, axis=0)
+        products = total**2 - same_picture - same_truth + np.sum(off**2, axis=(0, 1))
+        pairs = s * (s - 1) * a * (a - 1)
+    bias2 = products / pairs
+    spread = np.sqrt(np.sum(2.0 * doubt**2 + 4.0 * np.maximum(bias2, 0.0) * doubt, axis=0)).mean() / len(bias2)
+    return Error(float(np.mean(bias2) / scale2), float(spread / scale2), float(np.sqrt(np.mean(variance) / scale2)))
+
+
+def scale(truths: NDArray[np.floating]) -> float:
+    """Root mean square of the truth, without the noise of its A pictures (A, P, 3)."""
+    exact = np.asarray(truths, np.float64)
+    a = len(exact)
+    if a == 1:
+        return float(np.sqrt(np.mean(exact**2)))
+    products = (exact.sum(axis=0) ** 2 - np.sum(exact**2, axis=0)) / (a * (a - 1))
+    return float(np.sqrt(np.mean(products)))

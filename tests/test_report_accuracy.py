@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Error against run time: bias and noise are told apart, and a cell holds what it says."""
+
+import numpy as np
+import pytest
+
+from vgroove.addon.report import accuracy, contenders, scenes, statistics
+
+RNG = np.random.default_rng(7)
+PIXELS = 200
+
+
+def drawn(bias, noise, seeds, doubt, truths):
+    """Pictures with a bias and independent noise, and noisy truths, each a share of a truth of root mean square 1."""
+    level = np.linspace(0.5, 1.5, PIXELS)[:, None] * np.ones(3)
+    level /= np.sqrt(np.mean(level**2))
+    off = bias * np.where(np.arange(PIXELS) % 2, 1.0, -1.0)[:, None]
+    grain = [amount * RNG.standard_normal((count, PIXELS, 1)) for amount, count in ((noise, seeds), (doubt, truths))]
+    return level + off + grain[0], level + grain[1]
+
+
+@pytest.mark.parametrize("truths", [1, 4])
+@pytest.mark.parametrize("seeds", [2, 4])
+@pytest.mark.parametrize("bias", [0.0, 0.05, 0.3])
+def test_bias_is_told_from_noise_without_bias(bias, seeds, truths):
+    """Over 400 draws: the mean of bias^2 within 4 of its own standard errors, which bias2_error names to a tenth."""
+    doubt = 0.1 if truths > 1 else 0.0
+    found = [statistics.error(*drawn(bias, 0.3, seeds, doubt, truths)) for _ in range(400)]
+    bias2 = np.array([one.bias2 for one in found])
+    spread = bias2.std(ddof=1)
+    assert abs(bias2.mean() - bias**2) < 4.0 * spread / 20.0 + 2e-4 * bias**2  # the scale is that of a noisy truth
+    # The figure takes s^4 for sigma^4, which is (S + 1) / (S - 1) times that on average: 3 of two pictures.
+    most = np.sqrt((seeds + 1) / (seeds - 1)) * 1.2
+    assert 0.9 < np.mean([one.bias2_error for one in found]) / spread < most
+    noise = np.mean([one.noise**2 for one in found])
+    assert abs(noise - 0.09) < 4.0 * 0.09 * np.sqrt(2.0 / (400 * (seeds - 1) * PIXELS)) + 2e-3 * 0.09
+
+
+def test_one_picture_cannot_be_told_apart():
+    with pytest.raises(ValueError, match="two pictures"):
+        statistics.error(np.ones((1, 4, 3)), np.ones((2, 4, 3)))
+
+
+def test_every_subject_has_a_peer_and_every_model_a_subject():
+    subjects = contenders.subjects()
+    assert {preset.model for preset in subjects.values()} >= {"cook_torrance", "oren_nayar", "sum", "glass"}
+    assert all(list(contenders.peers(preset)) for preset in subjects.values())
+    assert {of for _, of in accuracy.PAIRS} == set(subjects)
+    assert {name for name, _ in accuracy.PAIRS} == set(scenes.SCENES)
+
+
+@pytest.mark.blender
+def test_a_furnace_finds_mirror_without_bias_and_closure_with_its_own(tmp_path, monkeypatch, blender):
+    """By the reference: mirror within 4 standard errors of none, closure off by what Smith's G keeps."""
+    monkeypatch.setattr(accuracy, "QUICK_COUNTS", (16, 64))
+    monkeypatch.setattr(accuracy, "BOTH_BACKENDS", "")
+    found = accuracy.measure(tmp_path, "furnace", "rough", quick=True)
+    mirror, closure = (found["contenders"][f"{name}, nodes"] for name in ("mirror", "closure"))
+    for bias2, doubt in zip(mirror["bias2"], mirror["bias2_error"], strict=True):
+        assert abs(bias2) < 4.0 * doubt
+    assert closure["bias2"][-1] > 10.0 * closure["bias2_error"][-1]
+    for of in found["contenders"].values():
+        assert len(of["rmse"]) == len(of["wall"]) == 2
+        assert all(seconds > 0.0 for seconds in (*of["wall"], *of["cpu"]))
+    assert mirror["noise"][1] == pytest.approx(mirror["noise"][0] / 2.0, rel=0.2)
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("name", scenes.SCENES)
+def test_each_scene_shows_its_ball_where_it_is_judged(name, blender):
+    """A material that glows is seen in every judged pixel, and beside the ball in none that is not near it."""
+    from vgroove.addon import gonio, headless
+
+    with headless.quiet(), scenes.stage(name, 16) as shown:
+        made = scenes.new_material("Glow")
+        glow, output = (
+            made.node_tree.nodes.new("ShaderNodeEmission"),
+            made.node_tree.nodes.new("ShaderNodeOutputMaterial"),
+        )
+        glow.inputs["Strength"].default_value = 100.0
+        made.node_tree.links.new(glow.outputs[0], output.inputs["Surface"])
+        shown.item.active_material = made
+        shown.scene.cycles.samples = 1
+        lit = gonio.rendered(shown.scene).min(axis=-1) > 90.0
+    if name == "checker":
+        assert 0.1 < lit.mean() < 0.9
+    else:
+        assert lit[shown.seen].all()
