@@ -127,7 +127,7 @@ def _accuracy(a: Run, b: Run, limit: float) -> Iterator[Change]:
         yield from _time(place, (contest, other), (one, two), (here, there))
 
 
-def rmse_error(curve: Curve, seeds: int) -> NDArray[np.float64]:
+def rmse_error(curve: Curve, seeds: NDArray[np.int_]) -> NDArray[np.float64]:
     """Standard error of the root mean square of an error, by the cell's own figures; rather too large than too small.
 
     ``statistics.error`` takes bias^2 from products of two of S seeds, so that bias^2 + noise^2 is the mean of the

@@ -191,7 +191,7 @@ class Contest:
     scene: str
     subject: str
     m: float | None
-    seeds: int
+    seeds: NDArray[np.int_]  # by sample count
     truth: str
     curves: dict[str, Curve]
     picked: tuple[str, ...]
@@ -354,7 +354,8 @@ def _contest(cell: dict[str, Any]) -> Contest:
     samples = np.asarray(cell["samples"], np.float64)
     pictures = cell.get("pictures") or {}
     return Contest(
-        cell["scene"], cell["subject"], cell.get("m"), cell["seeds"], cell.get("truth", ""),
+        cell["scene"], cell["subject"], cell.get("m"), np.broadcast_to(cell["seeds"], samples.shape),
+        cell.get("truth", ""),
         {name: _curve(name, samples, one) for name, one in cell["contenders"].items()},
         tuple(cell.get("auto") or ()), pictures.get("files", {}), pictures.get("samples", 0),
     )  # fmt: skip

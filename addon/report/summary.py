@@ -6,6 +6,8 @@ from __future__ import annotations
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..files import replacing
 from .findings import AGAINST, TARGETS
 
@@ -174,7 +176,10 @@ def win_rows(run: Run) -> tuple[list[str], list[list[str]]]:
 
 def about(contest: Contest) -> str:
     """The truth, the seeds, and Automatic's choices in words."""
-    said = f"Truth: {contest.truth}. {contest.seeds} seeds." + (f" m = {contest.m:g}." if contest.m is not None else "")
+    few, many = int(np.min(contest.seeds)), int(np.max(contest.seeds))
+    said = f"Truth: {contest.truth}. {many if few == many else f'{few} to {many}'} seeds." + (
+        f" m = {contest.m:g}." if contest.m is not None else ""
+    )
     if contest.picks:
         choices = {pick.estimator: None for pick in contest.picks}
         worst = max(contest.picks, key=lambda pick: pick.ratio)
