@@ -5,6 +5,8 @@ import base64
 import importlib.util
 import json
 import re
+import subprocess
+import sys
 from html.parser import HTMLParser
 from io import BytesIO
 
@@ -446,6 +448,16 @@ def test_bad_input_is_one_line(two, monkeypatch, capsys, arguments, message):
     assert message in said
     assert said.count("\n") == 1
     assert not (folder / "there").exists()
+
+
+def test_a_report_is_drawn_without_blender(tmp_path):
+    (tmp_path / "report.json").write_text(json.dumps(report(cells={"left_out/metal": left_out(2.0)})))
+    code = "import sys; sys.modules['bpy'] = None; from vgroove.addon import cli; cli.main()"
+    command = [sys.executable, "-P", "-c", code, "report", "--from", tmp_path / "report.json", "-o", tmp_path / "new"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "bpy is not installed, so the page has no pictures" in done.stderr
+    assert "One universal material takes 2.00" in (tmp_path / "new" / page.FILE).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("gone", ["matplotlib", "flip_evaluator", "mitsuba"])
