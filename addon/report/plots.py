@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib as mpl
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, NullLocator
+from PIL import Image
 
 from ..files import replacing
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from .findings import Case, Contest, Curve, Run
 
 DPI = 110
+SHADES = 64  # of a PNG
 STYLE = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -82,10 +85,13 @@ def draw(run: Run, folder: Path) -> dict[str, Drawn]:
 
 
 def _save(figure: Figure, stem: Path) -> None:
-    for ending, metadata in ((".png", {"Software": None}), (".svg", {"Date": None})):
-        with replacing(stem.with_name(stem.name + ending)) as temporary:
-            figure.savefig(temporary, dpi=DPI, metadata=metadata)
-        figure.set_layout_engine("none")  # it is laid out now, and takes long to be laid out again
+    buffer = BytesIO()
+    figure.savefig(buffer, dpi=DPI, format="png")
+    with replacing(stem.with_name(f"{stem.name}.png")) as temporary:  # of few colours it is a third as large
+        Image.open(buffer).convert("RGB").quantize(SHADES, dither=Image.Dither.NONE).save(temporary, optimize=True)
+    figure.set_layout_engine("none")  # it is laid out now, and takes long to be laid out again
+    with replacing(stem.with_name(f"{stem.name}.svg")) as temporary:
+        figure.savefig(temporary, metadata={"Date": None})
 
 
 def error(run: Run) -> Figure:
