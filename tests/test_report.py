@@ -217,7 +217,7 @@ def test_headlines_are_those_of_the_numbers():
     lines = "\n".join(summary.headlines(findings.runs(report())[0]))
     for words in (
         "to the power of −0.50, the median of 1 scenes",
-        "cannot be told from 0 in 1 of 1 scenes",
+        "mirror cannot be told from 0 in 1 of 1 scenes; in 1 of these it is known to be below 1 %",
         "of 11 sample counts",
         "A sample takes 1.30 × as long as OSL",
         "One universal material takes 2.00 × as long",

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
-from matplotlib.ticker import FuncFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from PIL import Image
 
 from ..files import replacing
@@ -154,6 +154,7 @@ def _finish(
     x = np.array([left / 1.3, right * 1.3])
     for _, ax in panels:
         ax.set(xscale="log", yscale="log", xlim=x, ylim=(low, high))
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0,) if right > 100.0 * left else (1.0, 2.0, 5.0)))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         for axis in (ax.xaxis, ax.yaxis):

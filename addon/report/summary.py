@@ -102,8 +102,12 @@ def _unbiased(run: Run) -> str:
     told = [f"{contest.title}: {percent(c.floor)}" for contest, c in mirrors if c.told]
     if not mirrors:
         return ""
-    least = f"mirror's bias cannot be told from 0 in {len(mirrors) - len(told)} of {len(mirrors)} scenes"
-    return f"By numbers, {least}." if not told else f"By numbers, {least}; {'; '.join(told)}."
+    small = sum(not c.told and c.at_most < TARGETS[-1] for _, c in mirrors)
+    line = (
+        f"The bias of mirror cannot be told from 0 in {len(mirrors) - len(told)} of {len(mirrors)} scenes; in {small} "
+        f"of these it is known to be below {percent(TARGETS[-1])}"
+    )
+    return f"{line}. It is told in {'; '.join(told)}." if told else f"{line}."
 
 
 def _winners(run: Run) -> str:
@@ -178,7 +182,7 @@ def about(contest: Contest) -> str:
     """The truth, the seeds, and Automatic's choices in words."""
     few, many = int(np.min(contest.seeds)), int(np.max(contest.seeds))
     said = f"Truth: {contest.truth}. {many if few == many else f'{few} to {many}'} seeds." + (
-        f" m = {contest.m:g}." if contest.m is not None else ""
+        f" m = {contest.m:g}." if contest.m else ""
     )
     if contest.picks:
         choices = {pick.estimator: None for pick in contest.picks}
@@ -250,11 +254,16 @@ def both(cpu: Reached, wall: Reached) -> str:
 
 
 def percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"
+    return f"{short(100.0 * share)} %"
 
 
 def times(factor: float) -> str:
-    return f"{factor:.2f} ×"
+    return f"{factor:.2f} ×" if factor < 10.0 else f"{short(factor)} ×"
+
+
+def short(value: float) -> str:
+    """Three digits, and all that stand before the point."""
+    return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
 
 
 def number(value: float) -> str:
