@@ -13,6 +13,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 from matplotlib import image
+from matplotlib.colors import to_rgb
 from scipy import stats
 
 from vgroove.addon import cli
@@ -271,6 +272,10 @@ def test_a_report_is_drawn_whole_and_the_same_each_time(tmp_path):
         assert not re.search(r"\b(nan|inf|None)\b", words)
         assert "−0.50 ± 0.00" in words
         assert "floor 5 %" in words
+
+    seen = image.imread(tmp_path / "plots" / "error-5.2.3.png")[..., :3].reshape(-1, 3)
+    for name in MODELS:  # the legend tells them by their colours, which fewer shades keep to 2 of 255
+        assert np.abs(seen - to_rgb(plots.COLOURS[name])).max(axis=1).min() < 2.5 / 255
 
     again = tmp_path / "again"
     plots_again = plots.draw(findings.runs(content)[0], again) if again.mkdir() is None else {}

@@ -88,7 +88,10 @@ def _save(figure: Figure, stem: Path) -> None:
     buffer = BytesIO()
     figure.savefig(buffer, dpi=DPI, format="png")
     with replacing(stem.with_name(f"{stem.name}.png")) as temporary:  # of few colours it is a third as large
-        Image.open(buffer).convert("RGB").quantize(SHADES, dither=Image.Dither.NONE).save(temporary, optimize=True)
+        drawn = Image.open(buffer).convert("RGB")
+        # Median cut, which is the default, would mix thin lines of like colours.
+        drawn = drawn.quantize(SHADES, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+        drawn.save(temporary, optimize=True)
     figure.set_layout_engine("none")  # it is laid out now, and takes long to be laid out again
     with replacing(stem.with_name(f"{stem.name}.svg")) as temporary:
         figure.savefig(temporary, metadata={"Date": None})
