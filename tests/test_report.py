@@ -71,12 +71,17 @@ def case(what, value, *, passed=True, limit=""):
     }  # fmt: skip
 
 
-def left_out(time, difference=1e-7):
-    return {
-        "preset": "lecture/copper", "scene": "softbox", "backend": "nodes", "dropped": ["time", "transmission"],
-        "nodes": [40, 400], "instructions": [120, 2000], "time": time, "spread": [0.95 * time, 1.05 * time],
-        "first": 2.0 * time, "memory_mb": [300, 320], "difference": difference, "bar": 1e-6,
+def left_out(time, *, same=True, backend="nodes"):
+    dropped = {"what": "time", "why": "it is static", "nodes": 93, "difference": 0.0, "same": True, "time": 1.02}
+    setup = {
+        "scene": "lamps", "backend": backend, "estimator": "corrected", "nodes": {"built": 40, "universal": 400},
+        "instructions": {"built": 0, "universal": 0},
+        "first": {"built": 0.2, "universal": 0.4, "ratio": 2.0, "rounds": [2.0]},
+        "render": {"built": 1.0, "universal": time, "ratio": time, "rounds": [0.95 * time, time, 1.05 * time]},
+        "difference": 1e-7, "same": same, "left_out": [dropped, dropped | {"what": "transmission", "time": 1.5}],
     }  # fmt: skip
+    memory = {"scene": "lamps"} | {which: {"peak": 300 * 2**20, "over": 2**20} for which in ("built", "universal")}
+    return {"preset": "lecture/copper", "setups": [setup], "memory": memory}
 
 
 def report(blenders=("5.2.3",), cells=None):
@@ -226,11 +231,32 @@ def test_headlines_are_those_of_the_numbers():
         "2 of 3 extreme cases pass, 1 of them within a stated limit; failed: far: metres 100000.",
     ):
         assert words in lines
-    unlike = report(cells={"left_out/metal": left_out(2.0, difference=1e-5)})
-    assert "the pictures differ in metal" in "\n".join(summary.headlines(findings.runs(unlike)[0]))
+    unlike = report(cells={"left_out/metal": left_out(2.0, same=False)})
+    assert "the pictures differ in metal, lamps, nodes." in "\n".join(summary.headlines(findings.runs(unlike)[0]))
     assert summary.headlines(findings.runs(report(cells={"left_out/a": left_out(2.0)}))[0])[0].startswith(
         "One universal"
     )
+
+
+def test_what_was_left_out_is_told_case_by_case_and_thing_by_thing():
+    found = findings.runs(report(cells={"left_out/metal": left_out(2.0), "left_out/clay": left_out(3.0)}))[0]
+    metal = [
+        "metal",
+        "lecture/copper",
+        "lamps",
+        "nodes",
+        "2.00 ×",
+        "1.90 to 2.10",
+        "2.00 ×",
+        "40 / 400",
+        "",
+        "300 / 300",
+    ]
+    assert summary.left_out_rows(found)[1] == [*metal, "the same"]
+    assert summary.dropped_rows(found) == [
+        ["time", "2 of 2", "93", "1.02 ×", "the same"],
+        ["transmission", "2 of 2", "93", "1.50 ×", "the same"],
+    ]
 
 
 def test_a_cell_of_another_make_is_named():
@@ -390,14 +416,14 @@ def test_cases_and_savings_are_compared():
     def change(cells):
         cells["stability/slope"]["cases"][1]["passed"] = False
         cells["stability/far"]["cases"][0]["passed"] = True
-        cells["left_out/metal"]["time"] = 1.5
-        cells["left_out/glass"]["difference"] = 1.0
+        cells["left_out/metal"]["setups"][0]["render"]["ratio"] = 1.5
+        cells["left_out/glass"]["setups"][0]["same"] = False
 
     assert changed(change) == {
         ("slope", "m 1", "case"): True,
         ("far", "metres 100000", "case"): False,
-        ("left out", "metal", "saving"): True,
-        ("left out", "glass", "picture"): True,
+        ("left out", "metal, lamps, nodes", "saving"): True,
+        ("left out", "glass, lamps, nodes", "picture"): True,
     }
 
 
@@ -498,7 +524,8 @@ def test_an_interrupted_report_goes_on(monkeypatch, capsys, tmp_path):
     assert vgroove("-o", out) == 0
     assert done == ["first", "again", "second", "third"]
     assert "1 of 3 measurements are there already" in capsys.readouterr().err
-    assert set(findings.runs(record.read(out / record.FILE))[0].left_out[0].dropped) == {"time", "transmission"}
+    kept = findings.runs(record.read(out / record.FILE))[0].left_out
+    assert [one.case for one in kept] == ["first", "second", "third"]
     before = (out / page.FILE).read_text()
     (out / page.FILE).unlink()
     assert vgroove("--from", out / record.FILE, "-o", tmp_path / "elsewhere") == 0

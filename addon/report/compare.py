@@ -81,7 +81,7 @@ def _figures(a: Run, b: Run) -> int:
     """How many figures both have: errors by sample count, and cases."""
     errors = sum(len(_common(one, other)[0]) for _, one, other in _curves(a, b))
     cases = len({_name(case) for case in a.cases} & {_name(case) for case in b.cases})
-    return errors + cases + len({case.case for case in a.left_out} & {case.case for case in b.left_out})
+    return errors + cases + len({case.title for case in a.left_out} & {case.title for case in b.left_out})
 
 
 def _contests(a: Run, b: Run) -> Iterator[tuple[Contest, Contest]]:
@@ -184,10 +184,10 @@ def _stability(a: Run, b: Run) -> Iterator[Change]:
 
 
 def _left_out(a: Run, b: Run) -> Iterator[Change]:
-    others = {case.case: case for case in b.left_out}
+    others = {case.title: case for case in b.left_out}
     for case in a.left_out:
-        other = others.get(case.case, case)
-        place = (b.blender, "left out", case.case)
+        other = others.get(case.title, case)
+        place = (b.blender, "left out", case.title)
         if not 1.0 / SLOWER <= other.time / case.time <= SLOWER:
             yield Change(*place, "saving", times(case.time), times(other.time), worse=other.time < case.time)
         if case.same != other.same:

@@ -258,31 +258,38 @@ class Contest:
 
 
 @dataclass(frozen=True)
+class Dropped:
+    """A thing that a material does without. time: with it, over the time without; same: the picture is."""
+
+    what: str
+    nodes: int
+    time: float
+    same: bool
+
+
+@dataclass(frozen=True)
 class LeftOut:
-    """A material as built against the universal one. time: the universal one's over its own; spread: of the rounds."""
+    """A material as built against the universal one. time: the universal one's over its own, and its rounds' spread.
+
+    Pairs are of the material as built and of the universal one; first: the ratio of first renders, which compile.
+    """
 
     case: str
     preset: str
     scene: str
     backend: str
-    dropped: tuple[str, ...]
-    nodes: tuple[int, int] | None  # of the material as built, and of the universal one
-    instructions: tuple[int, int] | None
-    memory_mb: tuple[float, float] | None
     time: float
     spread: tuple[float, float]
-    first: float | None
-    difference: float | None
-    bar: float | None
+    first: float
+    nodes: tuple[int, int]
+    instructions: tuple[int, int]  # 0 for plain nodes, whose count Cycles keeps to itself
+    memory_mb: tuple[float, float] | None
+    same: bool  # the picture is
+    dropped: tuple[Dropped, ...]
 
     @property
-    def compared(self) -> bool:
-        return self.difference is not None and self.bar is not None
-
-    @property
-    def same(self) -> bool:
-        """Whether both show the same picture, or were not compared."""
-        return self.difference is None or self.bar is None or self.difference <= self.bar
+    def title(self) -> str:
+        return f"{self.case}, {self.scene}, {self.backend}"
 
 
 @dataclass(frozen=True)
@@ -343,7 +350,7 @@ def _run(blender: str, run: dict[str, Any]) -> Run:
             elif part == "stability":
                 cases += [_case(what, case) for case in cell["cases"]]
             elif part == "left_out":
-                left_out.append(_left_out(what, cell))
+                left_out += [_left_out(what, cell, setup) for setup in cell["setups"]]
         except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
             message = f"{key}: not as this vgroove writes it ({type(error).__name__}: {error}); measure it anew"
             raise ReportError(message) from error
@@ -384,13 +391,19 @@ def _words(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _left_out(name: str, cell: dict[str, Any]) -> LeftOut:
-    pairs = {key: tuple(cell[key]) if cell.get(key) else None for key in ("nodes", "instructions", "memory_mb")}
-    spread = cell.get("spread") or (cell["time"], cell["time"])
+def _left_out(name: str, cell: dict[str, Any], setup: dict[str, Any]) -> LeftOut:
+    def pair(of: dict[str, Any]) -> tuple[Any, Any]:
+        return of["built"], of["universal"]
+
+    memory, render = cell.get("memory"), setup["render"]
+    measured = memory is not None and memory["scene"] == setup["scene"] and setup["backend"] == "nodes"
     return LeftOut(
-        name, cell.get("preset", name), cell.get("scene", ""), cell.get("backend", ""),
-        tuple(cell.get("dropped") or ()), time=cell["time"], spread=(spread[0], spread[1]), first=cell.get("first"),
-        difference=cell.get("difference"), bar=cell.get("bar"), **pairs,
+        name, cell["preset"], setup["scene"], setup["backend"], render["ratio"],
+        (min(render["rounds"]), max(render["rounds"])), setup["first"]["ratio"], pair(setup["nodes"]),
+        pair(setup["instructions"]),
+        (memory["built"]["peak"] / 2**20, memory["universal"]["peak"] / 2**20) if memory and measured else None,
+        setup["same"],
+        tuple(Dropped(one["what"], one["nodes"], one["time"], one["same"]) for one in setup["left_out"]),
     )  # fmt: skip
 
 

@@ -237,14 +237,16 @@ def left_out(run: Run) -> Figure:
     ax = figure.subplots()
     y = np.arange(len(cases))
     for colour, backend in ((COLOURS["fit"], "nodes"), (COLOURS["mirror"], "osl")):
-        here = [index for index, case in enumerate(cases) if (case.backend or "nodes") == backend]
+        here = [index for index, case in enumerate(cases) if case.backend == backend]
         if here:
             ax.hlines(y[here], *zip(*(cases[index].spread for index in here), strict=True), color=colour, lw=1.5)
             ax.plot([cases[index].time for index in here], y[here], "o", c=colour, ms=5, label=backend)
     ax.axvline(1.0, c="#666666", lw=1)
     ax.axvline(float(np.median([case.time for case in cases])), c="#666666", lw=1, ls="--", label="median")
     ax.set(
-        yticks=y, yticklabels=[case.case for case in cases], xlabel="render time of the universal material / as built"
+        yticks=y,
+        yticklabels=[f"{case.case}, {case.scene}" for case in cases],
+        xlabel="render time of the universal material / as built",
     )
     ax.set(xlim=(min(0.9, *(case.spread[0] for case in cases)), None), ylim=(-0.6, len(cases) - 0.4))
     ax.grid(visible=False, axis="y")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from .findings import Contest, Curve, LeftOut, Reached, Run
+    from .findings import Contest, Curve, Dropped, Reached, Run
     from .plots import Drawn
 
 FILE = "report.md"
@@ -54,7 +54,13 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
                 "### What was left out",
                 *images.get("left_out", []),
                 "",
+                LEFT_OUT,
+                "",
                 *_table(LEFT_OUT_COLUMNS, left_out_rows(run)),
+                "",
+                DROPPED,
+                "",
+                *_table(DROPPED_COLUMNS, dropped_rows(run)),
             ]
     return "\n".join([*lines, ""])
 
@@ -70,7 +76,18 @@ CURVES = (
 )
 CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for target in TARGETS), "FLIP", "differs")
 CASE_COLUMNS = ("group", "what", "value", "run as", "lowest", "highest", "Z", "limit", "")
-LEFT_OUT_COLUMNS = ("case", "scene", "run as", "time", "spread", "first", "nodes", "instructions", "MB", "dropped", "")
+LEFT_OUT = (
+    "The universal material, which can show every preset by its inputs alone, against each as it is built. Time and "
+    "first (a render that compiles): universal over as built. Nodes, OSL instructions, MB at most: as built / universal."
+)
+LEFT_OUT_COLUMNS = (
+    "case", "preset", "scene", "run as", "time", "spread", "first", "nodes", "instructions", "MB", "picture",
+)  # fmt: skip
+DROPPED = (
+    "What the builder leaves out, put back one by one: in how many cases, and by how much more of it in the median."
+)
+DROPPED_COLUMNS = ("what", "left out", "nodes", "time", "picture")
+SAME = {True: "the same", False: "DIFFERS"}
 
 
 def title(run: Run) -> str:
@@ -141,14 +158,14 @@ def _savings(run: Run) -> str:
     if not run.left_out:
         return ""
     ratios = [case.time for case in run.left_out]
-    differing = [case.case for case in run.left_out if not case.same]
+    differing = [case.title for case in run.left_out if not (case.same and all(one.same for one in case.dropped))]
     line = (
         f"One universal material takes {times(median(ratios))} as long as a material that holds only what it needs, in "
         f"the median of {len(ratios)} cases ({min(ratios):.3g} to {max(ratios):.3g})"
     )
     if differing:
-        return f"{line}; the pictures differ in {', '.join(differing)}."
-    return f"{line}; the pictures are the same." if all(case.compared for case in run.left_out) else f"{line}."
+        return f"{line}; the pictures differ in {'; '.join(differing)}."
+    return f"{line}; the pictures are the same."
 
 
 def _stability(run: Run) -> str:
@@ -218,25 +235,33 @@ def case_rows(run: Run) -> list[list[str]]:
 
 
 def left_out_rows(run: Run) -> list[list[str]]:
-    """Universal over as built, the most saved first."""
+    """As built / universal, the most saved first."""
 
     def pair(values: Iterable[float] | None) -> str:
-        return " / ".join(f"{value:g}" for value in values) if values else ""
+        return " / ".join(f"{value:.0f}" for value in values) if values and any(values) else ""
 
-    def row(case: LeftOut) -> list[str]:
-        return [
-            case.case, case.scene, case.backend, times(case.time), f"{case.spread[0]:.2f} to {case.spread[1]:.2f}",
-            times(case.first) if case.first is not None else "", pair(case.nodes), pair(case.instructions),
-            pair(case.memory_mb), ", ".join(case.dropped), _same(case),
-        ]  # fmt: skip
+    return [
+        [
+            case.case, case.preset, case.scene, case.backend, times(case.time),
+            f"{case.spread[0]:.2f} to {case.spread[1]:.2f}", times(case.first), pair(case.nodes),
+            pair(case.instructions), pair(case.memory_mb), SAME[case.same],
+        ]
+        for case in sorted(run.left_out, key=lambda case: case.time, reverse=True)
+    ]  # fmt: skip
 
-    return [row(case) for case in sorted(run.left_out, key=lambda case: case.time, reverse=True)]
 
-
-def _same(case: LeftOut) -> str:
-    if not case.compared:
-        return ""
-    return "same picture" if case.same else "DIFFERS"
+def dropped_rows(run: Run) -> list[list[str]]:
+    """Each thing that some material does without: how often, and medians of what it would take."""
+    found: dict[str, list[Dropped]] = {}
+    for one in (one for case in run.left_out for one in case.dropped):
+        found.setdefault(one.what, []).append(one)
+    return [
+        [
+            what, f"{len(ones)} of {len(run.left_out)}", f"{median(one.nodes for one in ones):g}",
+            times(median(one.time for one in ones)), SAME[all(one.same for one in ones)],
+        ]
+        for what, ones in found.items()
+    ]  # fmt: skip
 
 
 def bias(curve: Curve) -> str:
