@@ -87,7 +87,14 @@ def left_out(time, *, same=True, backend="nodes"):
 def report(blenders=("5.2.3",), cells=None):
     cells = cells or {
         "accuracy/softbox/copper": accuracy(),
-        "stability/slope": {"cases": [case("m", 1e-6, limit="held to 1e-4"), case("m", 1.0)]},
+        "stability/slope": {
+            "cases": [
+                case("m", 1e-6, limit="held to 1e-4"),
+                case("m", 1.0),
+                case("shot", {}),
+                case("shot", {"where": 1e3}),
+            ]
+        },
         "stability/far": {"cases": [case("metres", 1e5, passed=False)]},
         "left_out/metal": left_out(2.0),
         "left_out/plaster": left_out(3.0),
@@ -228,7 +235,7 @@ def test_headlines_are_those_of_the_numbers():
         "A sample takes 1.30 × as long as OSL",
         "One universal material takes 2.00 × as long",
         "3 cases (1.5 to 3); the pictures are the same",
-        "2 of 3 extreme cases pass, 1 of them within a stated limit; failed: far: metres 100000.",
+        "4 of 5 extreme cases pass, 1 of them within a stated limit; failed: far: metres 100000.",
     ):
         assert words in lines
     unlike = report(cells={"left_out/metal": left_out(2.0, same=False)})
@@ -256,6 +263,17 @@ def test_what_was_left_out_is_told_case_by_case_and_thing_by_thing():
     assert summary.dropped_rows(found) == [
         ["time", "2 of 2", "93", "1.02 ×", "the same"],
         ["transmission", "2 of 2", "93", "1.50 ×", "the same"],
+    ]
+
+
+def test_extreme_cases_are_told_by_what_of_them_is_not_as_usual():
+    rows = summary.case_rows(findings.runs(report())[0])
+    assert [row[:3] for row in rows] == [
+        ["far", "metres", "100000"],  # failed
+        ["slope", "m", "1e-06"],
+        ["slope", "m", "1"],
+        ["slope", "shot", "as usual"],
+        ["slope", "shot", "where 1000"],
     ]
 
 

@@ -385,7 +385,7 @@ def _case(group: str, case: dict[str, Any]) -> Case:
 def _words(value: Any) -> str:
     """A number in short, a table as its names and values."""
     if isinstance(value, dict):
-        return ", ".join(f"{name.replace('_', ' ')} {_words(one)}" for name, one in value.items())
+        return ", ".join(f"{name.replace('_', ' ')} {_words(one)}" for name, one in value.items()) or "as usual"
     if isinstance(value, list):
         return " ".join(_words(one) for one in value)
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -78,7 +78,7 @@ CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for ta
 CASE_COLUMNS = ("group", "what", "value", "run as", "lowest", "highest", "Z", "limit", "")
 LEFT_OUT = (
     "The universal material, which can show every preset by its inputs alone, against each as it is built. Time and "
-    "first (a render that compiles): universal over as built. Nodes, OSL instructions, MB at most: as built / universal."
+    "first (a render that compiles): universal over as built. Nodes, instructions of OSL, MB: as built / universal."
 )
 LEFT_OUT_COLUMNS = (
     "case", "preset", "scene", "run as", "time", "spread", "first", "nodes", "instructions", "MB", "picture",
