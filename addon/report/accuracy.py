@@ -146,8 +146,8 @@ def _mitsuba(name: str) -> AbstractContextManager[Peer | None]:
 
 def _other(preset: Preset, peer: Peer) -> Contender:
     kind = mitsuba_peer.nearest(preset)["type"]
-    differs = f"{mitsuba_peer.DIFFERS[kind]}; {peer.variant} {peer.version}"
-    return Contender(f"Mitsuba {kind}", lambda _shown: None, peer="mitsuba", differs=differs)
+    differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({peer.version}, {peer.variant})"
+    return Contender("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
 
 
 def _other_race(peer: Peer, name: str, preset: Preset, counts: tuple[int, ...]) -> list[Taken]:

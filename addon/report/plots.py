@@ -166,7 +166,7 @@ def _finish(
         for power in np.arange(first, last + 0.5, 0.5):
             ax.plot(x, 10.0**power / np.sqrt(x), **SLANTED, zorder=0)
     figure.legend(
-        handles=_legend([contest for contest, _ in panels]), loc="outside upper center", ncols=7, frameon=False
+        handles=_legend([contest for contest, _ in panels]), loc="outside upper center", ncols=6, frameon=False
     )
 
 
