@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import json
 import math
 import re
@@ -581,6 +582,103 @@ def check(
         raise typer.Exit(1)
 
 
+@app.command()
+def report(
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Made if it is not there; what it has measured is kept"),
+    ] = None,
+    *,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A few minutes instead of an hour: less of everything")
+    ] = False,
+    source: Annotated[
+        Path | None, typer.Option("--from", metavar="REPORT.json", help="Draw anew, and render nothing")
+    ] = None,
+    compare: Annotated[
+        tuple[Path, Path] | None,
+        typer.Option(metavar="A.json B.json", help="Say what is better or worse in B. Exits 1 if anything is worse"),
+    ] = None,
+) -> None:
+    """Measure error against run time, stability, and what was left out; draw plots and a page. Resumes."""
+    if compare is not None:
+        if output or source or quick:
+            message = "--compare reads two reports and writes none; leave -o, --from and --quick out"
+            raise InputError(message)
+        _compare(*compare)
+        return
+    if source is not None:
+        if quick:
+            message = "--from draws what is measured, and --quick says how to measure; give one of them"
+            raise InputError(message)
+        _needs("matplotlib")
+        _draw(source, output or source.absolute().parent)
+        return
+    if output is None:
+        message = "give -o DIR to measure, --from REPORT.json to draw anew, or --compare A.json B.json"
+        raise InputError(message)
+    _needs("matplotlib", "flip_evaluator", "mitsuba")
+    from .report import record
+
+    file = output / record.FILE
+    _make(file)
+    begun = record.begun(file, _versions(), quick=quick)
+    _with_blender()
+    from .report import run
+
+    wanted = run.cells(quick=quick)
+    missing = run.missing(begun, wanted)
+    if kept := len(wanted) - len(missing):
+        _say(f"{kept} of {len(wanted)} measurements are there already")
+    try:
+        for _ in _progress(run.measured(begun, missing, output), "measuring", len(missing)):
+            pass
+    except KeyboardInterrupt:
+        _say(f"{len(wanted) - len(run.missing(begun, wanted))} of {len(wanted)} measurements are kept in {file}")
+        raise
+    _draw(file, output)
+
+
+def _draw(source: Path, folder: Path) -> None:
+    """The plots, page and text of a report.json."""
+    from .report import draw, record
+
+    content = record.read(source)
+    pictures = None
+    if importlib.util.find_spec("bpy"):
+        _with_blender()
+        pictures = source.parent
+    else:
+        _say("bpy is not installed, so the page has no pictures")
+    _make(folder / record.FILE)
+    for path in draw.draw(content, pictures, folder):
+        _say(f"wrote {path}")
+
+
+def _compare(before: Path, after: Path) -> None:
+    from .report import compare, record
+
+    found, count = compare.changes(record.read(before), record.read(after))
+    table = Table("Blender", "where", "what", "figure", "before", "after", "")
+    for one in found:
+        words = [one.blender, one.where, one.who, one.what, one.before, one.after]
+        table.add_row(*(escape(word) for word in words), "WORSE" if one.worse else "better")
+    if found:
+        out.print(table)
+    worse = sum(one.worse for one in found)
+    out.print(f"{worse} worse, {len(found) - worse} better, of {count} figures that both have", highlight=False)
+    if worse:
+        raise typer.Exit(1)
+
+
+def _needs(*names: str) -> None:
+    """InputError, before any work, if a module of the extra [report] is missing."""
+    gone = [name for name in names if importlib.util.find_spec(name) is None]
+    if gone:
+        message = f"report needs {' and '.join(gone)}; install them with: pip install 'vgroove[report]'"
+        raise InputError(message)
+
+
 def main() -> None:
     """Entry of the ``vgroove`` command; turns every expected failure into one line and its exit code."""
     sys.exit(_run(lambda: app(prog_name="vgroove", standalone_mode=False)))
@@ -603,6 +701,7 @@ def _run(command: Callable[[], Any]) -> int:
             "AnimationError",
             "SceneError",
             "OslError",
+            "ReportError",
         }:  # their modules need Blender
             return _fail(str(error), 2)
         if isinstance(error, RuntimeError):  # from Blender itself

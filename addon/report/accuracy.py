@@ -13,6 +13,7 @@ against the reference: the world by ``mirror`` and the lamp by ``direct``, sever
 from __future__ import annotations
 
 import time
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -23,8 +24,10 @@ import numpy as np
 from .. import gonio, headless, images, scene
 from ..files import replacing
 from ..reference import albedo
-from . import contenders, statistics
+from . import contenders, mitsuba_peer, statistics
+from .contenders import Contender
 from .flip import flip
+from .mitsuba_peer import Peer
 from .record import Cell
 from .scenes import stage
 
@@ -35,7 +38,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ..presets import Preset
-    from .contenders import Contender
     from .scenes import Stage
 
 SIZE = 24
@@ -68,7 +70,11 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, 
     with headless.quiet(), stage(name, SIZE) as shown:
         rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
         truths = truth(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
-        found = _race(shown, rivals, counts)
+        with _mitsuba(name) as peer:
+            found = _race(shown, rivals, counts)
+            if peer is not None:
+                rivals.append(_other(preset, peer))
+                found[rivals[-1].label] = _other_race(peer, name, preset, counts)
         scored = {rival.label: _scored(rival, found[rival.label], truths, shown) for rival in rivals}
         auto = [_picked(shown, preset, samples) for samples in counts]
     return {
@@ -131,6 +137,30 @@ def _race(shown: Stage, rivals: list[Contender], counts: tuple[int, ...]) -> dic
                     taken.pictures.append(picture)
                     taken.wall.append(wall)
                     taken.cpu.append(cpu)
+    return found
+
+
+def _mitsuba(name: str) -> AbstractContextManager[Peer | None]:
+    return Peer() if name in mitsuba_peer.SCENES else nullcontext()
+
+
+def _other(preset: Preset, peer: Peer) -> Contender:
+    kind = mitsuba_peer.nearest(preset)["type"]
+    differs = f"{mitsuba_peer.DIFFERS[kind]}; {peer.variant} {peer.version}"
+    return Contender(f"Mitsuba {kind}", lambda _shown: None, peer="mitsuba", differs=differs)
+
+
+def _other_race(peer: Peer, name: str, preset: Preset, counts: tuple[int, ...]) -> list[Taken]:
+    """As ``_race``, in Mitsuba: after Cycles, as each takes all cores."""
+    bsdf, found = mitsuba_peer.nearest(preset), []
+    for samples in counts:
+        taken = Taken()
+        for seed in range(1, _seeds(samples) + 1):
+            one = peer.render(name, bsdf, samples, seed, SIZE)
+            taken.pictures.append(one.picture)
+            taken.wall.append(one.wall)
+            taken.cpu.append(one.cpu)
+        found.append(taken)
     return found
 
 

@@ -36,7 +36,7 @@ class Contender:
     """A way to show a subject. peer: "" of ours, else whose it is; differs: in what its model is another."""
 
     label: str
-    make: Callable[[Scene], Material]
+    make: Callable[[Scene], Material | None]  # nothing to make of what is rendered elsewhere
     estimator: str = ""
     backend: str = ""
     peer: str = ""

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two reports held against each other: what got better, what got worse. Pure NumPy; imports no bpy.
+
+- Error, at equal samples: changed if by more than its noise allows, and by more than ``SMALLEST`` of itself.
+- Bias, at the most samples: changed if it can be told from 0 in one report alone, and by more than noise allows.
+- Time, over a peer of Cycles' in the same cell, so that the machine drops out: changed by more than ``SLOWER``.
+- Saving: the universal material's time over a material as built, by more than ``SLOWER``.
+- Extreme cases: passed in one, failed in the other. Pictures of the universal material: likewise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import findings
+from .record import ReportError
+from .summary import percent, times
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from .findings import Contest, Curve, Run
+
+SLOWER = 1.25  # ratio of times below which nothing is said
+SMALLEST = 0.01  # change of an error, of itself, below which nothing is said
+MISTAKEN = 0.01  # probability that noise alone makes a comparison tell a change, of all its figures together
+LONGEST = 3  # sample counts whose times are judged: those beside which a start is short
+
+
+@dataclass(frozen=True)
+class Change:
+    """Of one figure. where: scene and subject, group, or case; who: contender or case."""
+
+    blender: str
+    where: str
+    who: str
+    what: str
+    before: str
+    after: str
+    worse: bool
+
+
+def changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[list[Change], int]:
+    """What changed between two report.json, worse things first, and how many figures both have.
+
+    ReportError if they have none in common.
+    """
+    pairs = list(_pairs(findings.runs(before), findings.runs(after)))
+    count = sum(_figures(a, b) for a, b in pairs)
+    if not count:
+        message = "the two reports have no figure in common; measure the same Blender in both"
+        raise ReportError(message)
+    limit = _limit(count)
+    found = [change for a, b in pairs for change in (*_accuracy(a, b, limit), *_stability(a, b), *_left_out(a, b))]
+    return sorted(found, key=lambda change: not change.worse), count
+
+
+def _pairs(before: list[Run], after: list[Run]) -> Iterator[tuple[Run, Run]]:
+    """Runs of the same Blender; of one each, those."""
+    if len(before) == len(after) == 1:
+        yield before[0], after[0]
+        return
+    others = {run.blender: run for run in after}
+    for run in before:
+        if run.blender in others:
+            yield run, others[run.blender]
+
+
+def _limit(count: int) -> float:
+    """Standard errors that noise exceeds anywhere among ``count`` figures with probability ``MISTAKEN`` (Sidak)."""
+    return NormalDist().inv_cdf((1.0 - MISTAKEN / 2.0) ** (1.0 / count))
+
+
+def _figures(a: Run, b: Run) -> int:
+    """How many figures both have: errors by sample count, and cases."""
+    errors = sum(len(_common(one, other)[0]) for _, one, other in _curves(a, b))
+    cases = len({_name(case) for case in a.cases} & {_name(case) for case in b.cases})
+    return errors + cases + len({case.title for case in a.left_out} & {case.title for case in b.left_out})
+
+
+def _contests(a: Run, b: Run) -> Iterator[tuple[Contest, Contest]]:
+    others = {contest.title: contest for contest in b.contests}
+    for contest in a.contests:
+        if contest.title in others:
+            yield contest, others[contest.title]
+
+
+def _curves(a: Run, b: Run) -> Iterator[tuple[tuple[Contest, Contest], Curve, Curve]]:
+    for contest, other in _contests(a, b):
+        for name, curve in contest.curves.items():
+            if name in other.curves:
+                yield (contest, other), curve, other.curves[name]
+
+
+def _common(one: Curve, other: Curve) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where both have the same sample counts."""
+    _, here, there = np.intersect1d(one.samples, other.samples, return_indices=True)
+    return here, there
+
+
+def _accuracy(a: Run, b: Run, limit: float) -> Iterator[Change]:
+    for (contest, other), one, two in _curves(a, b):
+        here, there = _common(one, two)
+        if not len(here):
+            continue
+        place = (b.blender, contest.title, one.name)
+        off = two.rmse[there] - one.rmse[here]
+        allowed = limit * np.hypot(rmse_error(one, contest.seeds)[here], rmse_error(two, other.seeds)[there])
+        allowed = np.maximum(allowed, SMALLEST * np.minimum(one.rmse[here], two.rmse[there]))
+        beyond = np.abs(off) - allowed
+        worst = int(np.argmax(np.where(beyond > 0.0, np.abs(off) / np.maximum(one.rmse[here], 1e-12), -1.0)))
+        if beyond[worst] > 0.0:
+            samples = f"error at {one.samples[here][worst]:g} samples"
+            figures = percent(one.rmse[here][worst]), percent(two.rmse[there][worst])
+            yield Change(*place, samples, *figures, worse=bool(off[worst] > 0.0))
+        moved = two.bias2[there[-1]] - one.bias2[here[-1]]
+        noise = limit * np.hypot(two.bias2_error[there[-1]], one.bias2_error[here[-1]])
+        if one.told_at[here[-1]] != two.told_at[there[-1]] and abs(moved) > noise:
+            figures = _bias(one, here[-1]), _bias(two, there[-1])
+            yield Change(*place, "bias", *figures, worse=bool(moved > 0.0))
+        yield from _time(place, (contest, other), (one, two), (here, there))
+
+
+def rmse_error(curve: Curve, seeds: NDArray[np.int_]) -> NDArray[np.float64]:
+    """Standard error of the root mean square of an error, by the cell's own figures; rather too large than too small.
+
+    ``statistics.error`` takes bias^2 from products of two of S seeds, so that bias^2 + noise^2 is the mean of the
+    seeds' squares. Its variance is that of one seed's over S: sum (2 v^2 + 4 b^2 v) / S / P^2, with v the variance in a
+    pixel; that of bias^2 is sum (2 (v / S)^2 + 4 b^2 v / S) / P^2, at least a share 1 / S of it. And dx = d(x^2) / 2x.
+    """
+    total = curve.bias2_error * np.sqrt(seeds)
+    return total / np.maximum(2.0 * curve.rmse, np.finfo(np.float64).tiny)
+
+
+def _bias(curve: Curve, index: int) -> str:
+    return percent(float(np.sqrt(curve.bias2[index]))) if curve.told_at[index] else "not told from 0"
+
+
+def _time(
+    place: tuple[str, str, str],
+    contests: tuple[Contest, Contest],
+    curves: tuple[Curve, Curve],
+    where: tuple[NDArray[np.intp], NDArray[np.intp]],
+) -> Iterator[Change]:
+    """Over the first peer of Cycles' that both cells have."""
+    names = [
+        name for name, curve in contests[0].curves.items() if curve.peer == "cycles" and name in contests[1].curves
+    ]
+    if not names or curves[0].name == names[0]:
+        return
+    ratios = []
+    for contest, curve, index in zip(contests, curves, where, strict=True):
+        last = index[-LONGEST:]
+        ratios.append(float(np.median(curve.cpu[last] / contest.curves[names[0]].cpu[last])))
+    growth = ratios[1] / ratios[0]
+    if not 1.0 / SLOWER <= growth <= SLOWER:
+        yield Change(*place, f"time over {names[0]}", times(ratios[0]), times(ratios[1]), worse=growth > 1.0)
+
+
+def _name(case: findings.Case) -> tuple[str, str, str, str]:
+    return case.group, case.what, case.value, case.setup
+
+
+def _stability(a: Run, b: Run) -> Iterator[Change]:
+    others = {_name(case): case for case in b.cases}
+    for case in a.cases:
+        other = others.get(_name(case), case)
+        if other.passed != case.passed:
+            figures = ("passed", "FAILED") if case.passed else ("FAILED", "passed")
+            yield Change(
+                b.blender,
+                case.group,
+                f"{case.what} {case.value} {case.setup}".strip(),
+                "case",
+                *figures,
+                worse=case.passed,
+            )
+
+
+def _left_out(a: Run, b: Run) -> Iterator[Change]:
+    others = {case.title: case for case in b.left_out}
+    for case in a.left_out:
+        other = others.get(case.title, case)
+        place = (b.blender, "left out", case.title)
+        if not 1.0 / SLOWER <= other.time / case.time <= SLOWER:
+            yield Change(*place, "saving", times(case.time), times(other.time), worse=other.time < case.time)
+        if case.same != other.same:
+            figures = ("same", "DIFFERS") if case.same else ("DIFFERS", "same")
+            yield Change(*place, "picture", *figures, worse=case.same)

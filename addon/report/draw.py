@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Plots, page and text of a report.json, without a render. Only the pictures of the page need Blender."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from . import findings, page, plots, summary
+from .record import ReportError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+PLOTS = "plots"
+
+
+def draw(content: dict[str, Any], pictures: Path | None, folder: Path) -> list[Path]:
+    """Write report.html, report.md and plots/ to ``folder``; what was written.
+
+    pictures: where the pictures that the report names are; None for a page without them. ReportError if there is
+    nothing to draw.
+    """
+    found = [run for run in findings.runs(content) if run.contests or run.cases or run.left_out]
+    if not found:
+        message = "the report holds no measurements yet; give `vgroove report -o DIR` more time"
+        raise ReportError(message)
+    (folder / PLOTS).mkdir(parents=True, exist_ok=True)
+    figures = {run.blender: plots.draw(run, folder / PLOTS) for run in found}
+    page.write(folder / page.FILE, found, content["machine"], figures, folder / PLOTS, pictures)
+    summary.write(folder / summary.FILE, found, content["machine"], figures)
+    return [folder / page.FILE, folder / summary.FILE, folder / PLOTS]
