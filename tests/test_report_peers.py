@@ -132,12 +132,12 @@ def shaded(kind, **values):
 
 
 def cycles(name, make):
-    """Pictures by ``SEEDS`` seeds, of a ball without visible facets and with the pixels that Mitsuba has."""
+    """Pictures by ``SEEDS`` seeds, of a ball without visible facets."""
     with headless.quiet(), scenes.stage(name, SIZE) as stage:
         stage.item.data = scene.ball_mesh(512, 256)  # within 2e-5 of a sphere
-        stage.scene.cycles.diffuse_bounces = mitsuba_peer.BOUNCES  # fewer by default; Mitsuba counts no kinds
+        assert stage.scene.cycles.max_bounces == mitsuba_peer.BOUNCES
         stage.item.active_material = make()
-        stage.scene.cycles.pixel_filter_type, stage.scene.cycles.samples = "BOX", SAMPLES
+        stage.scene.cycles.samples = SAMPLES
         stage.scene.view_layers[0].update()
         found = []
         for stage.scene.cycles.seed in range(SEEDS):

@@ -52,6 +52,7 @@ PAIRS = (
     *((name, of) for of in ("copper", "plaster", "plastic") for name in ("furnace", *LIT)),
     *((name, of) for of in ("satin", "rough") for name in ("environment", "softbox")),
     ("checker", "frosted"),
+    ("checker", "glass"),
 )
 BOTH_BACKENDS = "copper"  # the others' OSL shaders differ in time alone, and by as much
 QUICK_PAIRS = (("furnace", "copper"), ("sun", "copper"), ("softbox", "plaster"))

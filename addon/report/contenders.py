@@ -27,6 +27,7 @@ def subjects() -> dict[str, Preset]:
         "rough": copper.with_parameters(m=0.6),
         "plaster": presets.find("diffuse/plaster"),
         "plastic": presets.find("plastics/red_plastic"),
+        "glass": presets.find("glasses/fused_silica"),
         "frosted": presets.find("glasses/frosted_glass"),
     }
 
@@ -68,8 +69,9 @@ def peers(preset: Preset) -> Iterator[Contender]:
     if preset.model == "cook_torrance":
         colour, roughness = of["f0"], of["m"] ** 0.5
         yield _peer(
-            "Metallic BSDF", "Smith's G, and light that bounces between facets is given back",
-            "BsdfMetallic", {"Base Color": colour, "Roughness": roughness}, distribution="BECKMANN", fresnel_type="F82",
+            "Metallic BSDF", "Smith's G",
+            "BsdfMetallic", {"Base Color": colour, "Edge Tint": (1.0, 1.0, 1.0), "Roughness": roughness},
+            distribution="BECKMANN", fresnel_type="F82",
         )  # fmt: skip
         yield _peer(
             "Glossy BSDF", "Smith's G; reflects the same share at every angle",

@@ -5,11 +5,9 @@ Mitsuba runs in a process of its own, which stays warm: its libraries and Blende
 down its standard input, pictures come up its standard output, pickled.
 
 The scenes are those of scenes.py, whose numbers stand here again, as that module needs Blender; the tests hold the two
-against each other. They differ in four things: the ball is a sphere, where Cycles has a fine smooth mesh; a pixel is a
-box of its own width, where Blender's default filter reaches into the neighbours; the environment map is given point by
-point as the mean of its surroundings; a path has as many bounces as Blender's default in all, whatever their kind,
-where Blender stops at four glossy ones (of frosted glass on the checker that is 4 % of the light). The sampler is the
-best of Mitsuba's that take any number of samples: on the softbox at 64 its noise is a quarter of the default's.
+against each other. They differ in two things: the ball is a sphere, where Cycles has a fine smooth mesh, and the
+environment map is given point by point as the mean of its surroundings. The sampler is the best of Mitsuba's that take
+any number of samples: on the softbox at 64 its noise is a quarter of the default's.
 
 The variant that compiles is three to four times as fast as the plain one, but needs an LLVM new enough (15 is not;
 DRJIT_LIBLLVM_PATH names another than the system's). It is tried first, in a process that may end over it.

@@ -92,6 +92,7 @@ def _ball(size: int) -> Scene:
     shown.render.resolution_x = shown.render.resolution_y = size
     shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
     shown.render.use_persistent_data = True
+    shown.cycles.pixel_filter_type, shown.cycles.filter_width = "BOX", 1.0  # as other renderers have it
     shown.view_settings.view_transform = "Raw"
     shown.camera.location, shown.camera.rotation_euler = (0.0, -DISTANCE, 1.0), (radians(90.0), 0.0, 0.0)
     shown.camera.data.lens, shown.camera.data.sensor_width = LENS, SENSOR
@@ -129,6 +130,7 @@ def _lamp(shown: Scene, kind: str) -> None:
 
 def _checker(shown: Scene) -> None:
     """A floor of squares half a metre wide under the ball, and the camera a little above it."""
+    shown.cycles.diffuse_bounces = shown.cycles.glossy_bounces = shown.cycles.max_bounces  # light is not to be lost
     mesh = bpy.data.meshes.new("Floor")
     mesh.from_pydata([(-40, -40, 0), (40, -40, 0), (40, 40, 0), (-40, 40, 0)], [], [(0, 1, 2, 3)])
     made = new_material("Checker")
