@@ -38,26 +38,60 @@ class Line:
 
 @dataclass(frozen=True)
 class Account:
-    """A material, the estimator that it was built by, and what it holds and does without."""
+    """A material, how it was built, and what it holds and does without."""
 
     material: Material
-    estimator: str
+    choice: Choice
     lines: list[Line]
+
+    @property
+    def estimator(self) -> str:
+        return self.choice.estimator
+
+
+@dataclass(frozen=True)
+class Size:
+    """How much there is of a material: its nodes as of ``nodes_inside``, and the instructions of its OSL shaders."""
+
+    nodes: int
+    instructions: int
 
 
 def explain(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> Account:
     """The material that ``preset`` gets in ``shown``, with its account; raises what ``build`` raises."""
-    pick = scene.Pick(estimator, "it was asked for")
-    if estimator == "auto":
-        pick = scene.pick(shown, preset.m, preset.model, backend)
-    lamps = scene.lamps_to_bind(shown, pick.estimator, preset.model)
-    made = build(preset, Choice(backend, pick.estimator, lamps))
+    choice, pick = chosen(preset, shown, backend, estimator)
+    made = build(preset, choice)
     lines = [Line(f"estimator {pick.estimator}", pick.why, kept=True)]
     if pick.estimator != "closure":
         lines.append(Line("closure beside it", "EEVEE shows that; Cycles leaves it out", kept=True))
     lines += [*_model(preset), *_nodes(made, backend), *_left_out(preset, pick.estimator)]
-    lines += _lamps(pick.estimator, shown, [lamp.name for lamp in lamps])
-    return Account(made, pick.estimator, lines)
+    lines += _lamps(pick.estimator, shown, [lamp.name for lamp in choice.lamps])
+    return Account(made, choice, lines)
+
+
+def chosen(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> tuple[Choice, scene.Pick]:
+    """How ``preset`` is built in ``shown``, and why by that estimator."""
+    pick = scene.Pick(estimator, "it was asked for")
+    if estimator == "auto":
+        pick = scene.pick(shown, preset.m, preset.model, backend)
+    return Choice(backend, pick.estimator, scene.lamps_to_bind(shown, pick.estimator, preset.model)), pick
+
+
+def size_of(made: Material) -> Size:
+    """Of what Cycles shows of a material.
+
+    The instructions are those of the shaders' bytecode, before OSL folds at run time what a material holds constant;
+    each use of a shader counts.
+    """
+    found = list(nodes_inside(made.node_tree))
+    scripts = [node.bytecode for node in found if node.bl_idname == "ShaderNodeScript"]
+    return Size(len(found), sum(map(_instructions, scripts)))
+
+
+def _instructions(bytecode: str) -> int:
+    """An .oso file has a line for each symbol, and after the first ``code`` a line, indented, for each instruction."""
+    _, _, code = bytecode.partition("\ncode ")
+    return sum(line.startswith("\t") for line in code.splitlines())
 
 
 def _model(preset: Preset) -> Iterator[Line]:

@@ -1,14 +1,287 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""To come."""
+"""What was left out: each material as it is built against one universal material, and each thing that it does without.
+
+A cell is one preset. In each scene it holds, of the material as built and of the universal one, nodes, compiled OSL
+instructions, processor time and what pictures of the same seed differ by; then, one by one, what the builder left out,
+put back and weighted with 0 by data: how many nodes that is, how the picture differs, and what it costs.
+
+    {"preset": "lecture/copper",
+     "setups": [{"scene": "lamps", "backend": "nodes", "estimator": "corrected",
+                 "nodes": {"built": 1877, "universal": 11992}, "instructions": {"built": 0, "universal": 0},
+                 "first": {"built": 0.2, "universal": 3.1, "ratio": 15.5, "rounds": [...]},
+                 "render": {"built": 0.6, "universal": 1.1, "ratio": 1.8, "rounds": [...]},
+                 "difference": 2e-6, "same": true,
+                 "left_out": [{"what": "time", "why": "...", "nodes": 93, "difference": 0.0, "same": true,
+                               "time": 1.02}, ...]}, ...],
+     "memory": {"scene": "lamps", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
+
+"first" is a render of one sample, which synchronises and compiles; "render" is what ``SAMPLES`` take beyond that. Both
+are processor seconds, medians of rounds that take turns; "ratio" is the median of the rounds' own. "over" is how far
+memory rose above what the process held before it made the material. SVM's count of instructions is only in Cycles' log,
+which the Python module cannot switch on: plain nodes have no figure but their number.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import json
+import statistics
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from functools import partial
+from math import radians
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .record import Cell
 
 if TYPE_CHECKING:
-    from .record import Cell
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from bpy.types import Material, Scene
+    from numpy.typing import NDArray
+
+    from ..explain import Account
+    from ..material import Choice
+    from ..presets import Preset
+
+CASES = {
+    "schlick": "lecture/copper",
+    "conductor": "metals/copper",
+    "oren_nayar": "diffuse/clay",
+    "plastic": "plastics/red_plastic",
+    "glass": "glasses/frosted_glass",
+    "car_paint": "car_paints/blue",
+    "over_time": "time_varying/rusting_iron",
+}
+QUICK = ("schlick", "plastic")
+SCENES = ("environment", "softbox", "lamps")
+OSL_SCENE = "softbox"
+SIZE, SAMPLES, ROUNDS = 48, 64, 3
+LENGTH, FRAME = 240.0, 97  # of a course that is played, and where in it the picture is taken
+# Pictures of the same seed are made of the same random numbers. Weights go through some 100 more operations of 6e-8
+# each, 6e-6 in all; so near a threshold do a share of about 4 choices a sample fall otherwise, at SAMPLES 1.5e-3 of the
+# pixels, and each by no more than one sample of them. Were a sample as bright as the picture's mean, that would be
+# sqrt(1.5e-3) / SAMPLES = 6e-4 of it; samples of lamps are up to 10 times as bright.
+SAME = 6e-3
+PUT_BACK = {  # what ``explain`` calls it -> what ``universal`` puts back
+    "Fresnel terms": "specular",
+    "time": "time",
+    "course over time": "time",
+    "diffuse part": "diffuse",
+    "absorption": "absorption",
+    "transmission": "transmission",
+    "random numbers": "random",
+    "facets and random numbers": "random",
+    "lamp terms": "lamps",
+    "closure beside it": "eevee",
+}
 
 
 def cells(*, quick: bool) -> list[Cell]:
-    del quick
-    return []
+    """One a preset."""
+    names = QUICK if quick else CASES
+    return [Cell(f"left_out/{name}", partial(measure, CASES[name], quick=quick)) for name in names]
+
+
+def savings(found: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
+    """Of all cells of this part: whether the universal material is nowhere quicker, and the median saving."""
+    setups = [setup for key, cell in found.items() if key.startswith("left_out/") for setup in cell["setups"]]
+    ratios = [setup["render"]["ratio"] for setup in setups]
+    first = [setup["first"]["ratio"] for setup in setups]
+    return {
+        "slowest_nowhere_else": min(ratios) >= 1.0,
+        "saving": 1.0 - 1.0 / statistics.median(ratios),
+        "ratio": statistics.median(ratios),
+        "ratios": [min(ratios), max(ratios)],
+        "first_ratio": statistics.median(first),
+        "same": all(one["same"] for setup in setups for one in (setup, *setup["left_out"])),
+    }
+
+
+def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) -> dict[str, Any]:
+    """The cell of a preset."""
+    from .. import presets
+
+    preset = presets.find(identity)
+    setups = [("lamps", "nodes")] if quick else [(name, "nodes") for name in SCENES]
+    setups += [(OSL_SCENE, "osl")]
+    rounds = 1 if quick else ROUNDS
+    found = [setup(preset, name, backend, rounds, list_all=not quick) for name, backend in setups]
+    memory = {"scene": "lamps"} | {which: _memory(identity, which) for which in ("built", "universal")}
+    return {"preset": identity, "setups": found, "memory": memory}
+
+
+def stage(name: str, size: int = SIZE) -> Scene:
+    """A ball under one of ``SCENES``: an environment map, an area lamp alone, or a sky and two lamps of no size.
+
+    The ball is at the origin, unturned: else Cycles rounds its points anew in materials that it cannot apply transforms
+    for, such as with subsurface scattering, and the hash of a position would give other random numbers.
+    """
+    import bpy
+
+    from .. import scene
+
+    shown = scene.preview("studio")
+    for old in ("Floor", "Sun"):
+        bpy.data.objects.remove(shown.objects[old])
+    shown.objects["Ball"].location = (0.0, 0.0, 0.0)
+    shown.render.resolution_x = shown.render.resolution_y = size
+    shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
+    shown.view_settings.view_transform = "Raw"
+    shown.camera.location, shown.camera.rotation_euler = (0.0, -6.0, 0.0), (radians(90.0), 0.0, 0.0)
+    shown.world.cycles.sampling_method, shown.world.cycles.sample_map_resolution = "MANUAL", 256  # else 2 s a render
+    if name == "softbox":
+        shown.world = None
+        _lamp(shown, "AREA", energy=60.0, size=1.0)
+    elif name == "lamps":
+        _lamp(shown, "SUN", energy=1.6, angle=0.0)
+        _lamp(shown, "POINT", energy=200.0, shadow_soft_size=0.0)
+    shown.frame_set(FRAME)
+    shown.view_layers[0].update()
+    return shown
+
+
+def _lamp(shown: Scene, kind: str, **settings: float) -> None:
+    import bpy
+
+    light = bpy.data.lights.new("Lamp", kind)
+    for name, value in settings.items():
+        setattr(light, name, value)
+    item = bpy.data.objects.new("Lamp", light)
+    side = 1.0 if kind != "POINT" else -1.0
+    item.location, item.rotation_euler = (1.3 * side, -1.6, 1.6), (radians(45.0), 0.0, radians(39.0 * side))
+    shown.collection.objects.link(item)
+
+
+def setup(preset: Preset, name: str, backend: str, rounds: int, *, list_all: bool = True) -> dict[str, Any]:
+    """One scene and backend: both materials, and what was left out of the one."""
+    from .. import explain, headless
+    from ..animation import Play
+    from ..material import build
+    from . import universal
+
+    with headless.quiet():
+        shown = stage(name)
+        shown.cycles.shading_system = backend == "osl"
+        account = explain.explain(preset, shown, backend)
+        play = Play("age", 1.0, LENGTH) if preset.time else None
+        choice = replace(account.choice, play=play)
+        data = universal.data_of(preset, (FRAME - 1.0) / LENGTH, play)
+        pair = {"built": (build(preset, choice), data), "universal": (universal.build(choice), data)}
+        times: dict[str, list[dict[str, float]]] = {"first": [], "render": []}
+        pictures: dict[str, NDArray[np.float64]] = {}
+        for _ in range(rounds):
+            first, full = {}, {}
+            for which, (made, values) in pair.items():
+                first[which] = _render(shown, made, values, 1)[1]
+                pictures[which], full[which] = _render(shown, made, values, SAMPLES)
+            times["first"].append(first)
+            times["render"].append({which: full[which] - first[which] for which in pair})
+        found = _compared(pictures["built"], pictures["universal"])
+        lines = _lines(shown, preset, account, list_all=list_all) if backend == "nodes" and name != "softbox" else []
+        sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
+    return {
+        "scene": name, "backend": backend, "estimator": account.estimator,
+        "nodes": {which: size.nodes for which, size in sizes.items()},
+        "instructions": {which: size.instructions for which, size in sizes.items()},
+        **{what: _medians(of) for what, of in times.items()}, **found, "left_out": list(lines),
+    }  # fmt: skip
+
+
+def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) -> list[dict[str, Any]]:
+    """Each thing that was left out, put back; without ``list_all`` three of them."""
+    from .. import explain
+    from ..animation import Play
+    from ..material import build
+    from . import universal
+
+    built = build(preset, account.choice)
+    start = universal.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
+    nothing = universal.data_of(None)
+    plain, seconds = _render(shown, built, nothing, SAMPLES)
+    found = []
+    for line in account.lines:
+        part = PUT_BACK.get(line.what.partition(":")[0].partition(" (")[0])
+        if part is None or (line.kept and part != "eevee"):
+            continue
+        if part == "time":
+            other, data = universal.with_time(built), start
+        elif part == "eevee":
+            other, data = universal.without_eevee(built), nothing
+        else:
+            other, data = universal.with_part(built, account.choice, part), nothing
+        picture, more = _render(shown, other, data, SAMPLES)
+        nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
+        found.append({
+            "what": line.what, "why": line.why, "nodes": nodes, **_compared(plain, picture), "time": more / seconds
+        })  # fmt: skip
+        if not list_all and len(found) == 3:
+            break
+    return found
+
+
+def _render(
+    shown: Scene, made: Material, data: Mapping[str, Any], samples: int
+) -> tuple[NDArray[np.float64], float]:  # fmt: skip
+    """The picture, and the processor seconds that it took."""
+    from .. import gonio
+    from . import universal
+
+    ball = shown.objects["Ball"]
+    ball.active_material = made
+    universal.dress(ball, data)
+    shown.view_layers[0].update()
+    shown.cycles.samples = samples
+    start = time.process_time()
+    picture = gonio.rendered(shown).astype(np.float64)
+    return picture, time.process_time() - start
+
+
+def _compared(a: NDArray[np.float64], b: NDArray[np.float64]) -> dict[str, Any]:
+    """Root mean square of what two pictures differ by, as a share of the first one's."""
+    difference = float(np.sqrt(np.mean((a - b) ** 2) / np.mean(a**2)))
+    return {"difference": difference, "same": difference < SAME}
+
+
+def _medians(rounds: list[dict[str, float]]) -> dict[str, Any]:
+    ratios = [one["universal"] / max(one["built"], 1e-3) for one in rounds]
+    medians = {which: statistics.median(one[which] for one in rounds) for which in rounds[0]}
+    return {**medians, "ratio": statistics.median(ratios), "rounds": ratios}
+
+
+# Memory, in a process of its own
+
+
+def _memory(identity: str, which: str) -> dict[str, int]:
+    command = [sys.executable, "-P", "-m", __name__, identity, which]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def _child(identity: str, which: str) -> Iterator[dict[str, int]]:
+    from .. import headless
+
+    headless.prepare()
+    from .. import explain, presets
+    from ..batch import memory
+    from ..material import build
+    from . import universal
+
+    preset = presets.find(identity)
+    with headless.quiet():
+        shown = stage("lamps")
+        choice: Choice = explain.chosen(preset, shown, "nodes")[0]
+        before = memory.held()
+        memory.reset_peak()
+        made = build(preset, choice) if which == "built" else universal.build(choice)
+        _render(shown, made, universal.data_of(preset), 1)
+    yield {"peak": memory.peak(), "over": memory.peak() - before}
+
+
+if __name__ == "__main__":
+    for answer in _child(*sys.argv[1:]):
+        print(json.dumps(answer))

@@ -54,7 +54,8 @@ NAME = "VGroove Universal"
 REVISION = 1
 LOBES = 3  # as many as any of our car paints has
 ANY = "any"  # the kind of Fresnel term that data choose
-PARTS = ("diffuse", "body", "specular", "lobes", "transmission", "absorption")
+TERMS = {"corrected": 4}
+PARTS = ("diffuse", "body", "specular", "lobes", "transmission")
 WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 NEUTRAL: dict[str, Any] = {  # each parameter, as it is where a preset has none
     "f0": BLACK, "f82_tint": WHITE, "eta": 1.5, "n": WHITE, "k": WHITE, "m": 0.3, "albedo": BLACK, "sigma": 0.0,
@@ -73,7 +74,9 @@ class Form:
 
     @property
     def lamps(self) -> int:
-        return 0 if self.estimator in NATIVE else lamp_binding.LIMIT
+        if self.estimator in NATIVE:
+            return 0
+        return lamp_binding.LIMIT if self.backend == "osl" else TERMS.get(self.estimator, lamp_binding.LIMIT)
 
     @property
     def glass(self) -> str:
@@ -195,7 +198,7 @@ def _add(made: Material, output: Node, choice: Choice, parts: Sequence[str]) -> 
             shown = both.outputs[0]
         tree.links.new(shown, place)
     if "To Lamp 1" in node.inputs:
-        for index in range(1, lamp_binding.LIMIT + 1):
+        for index in range(1, form.lamps + 1):
             if index <= len(choice.lamps):
                 _bind(tree, node, index, choice.lamps[index - 1], choice)
             else:
@@ -402,7 +405,8 @@ class _AnyFresnel:
 
 
 def _kind_input(tree: Tree, name: str = "kind") -> Value:
-    return tree.input_float(name, 0.0, low=0.0, high=10.0, tip="Which of several, by number")
+    tree.input_float(name, 0.0, low=0.0, high=10.0, tip="Which of several, by number")
+    return tree.given(name)  # after a panel it is not the last
 
 
 def _is(value: Value, index: int) -> Value:
