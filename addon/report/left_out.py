@@ -15,8 +15,9 @@ put back and weighted with 0 by data: how many nodes that is, how the picture di
                                "time": 1.02}, ...]}, ...],
      "memory": {"scene": "lamps", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
 
-"first" is a render of one sample, which synchronises and compiles; "render" is what ``SAMPLES`` take beyond that. Both
-are processor seconds, medians of rounds that take turns; "ratio" is the median of the rounds' own. "over" is how far
+"first" is a render of one sample, which synchronises and compiles; "render" one of ``SAMPLES`` by a Cycles that has
+compiled before. Both are processor seconds, medians of rounds that take turns; "ratio" is the median of the rounds' own.
+"time" of one thing put back is of one round, both with compiling, over the material as built. "over" is how far
 memory rose above what the process held before it made the material. SVM's count of instructions is only in Cycles' log,
 which the Python module cannot switch on: plain nodes have no figure but their number.
 """
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    from bpy.types import Material, Scene
+    from bpy.types import Material, Object, Scene
     from numpy.typing import NDArray
 
     from ..explain import Account
@@ -59,14 +60,15 @@ CASES = {
 }
 QUICK = ("schlick", "plastic")
 SCENES = ("environment", "softbox", "lamps")
-OSL_SCENE = "softbox"
-SIZE, SAMPLES, ROUNDS = 48, 64, 3
+OSL_SCENE, OSL_CASES = "softbox", ("schlick", "plastic", "glass", "car_paint")  # the rest take long and differ little
+SIZE, ROUNDS = 48, 3
+SAMPLES = {"nodes": 64, "osl": 16}
 LENGTH, FRAME = 240.0, 97  # of a course that is played, and where in it the picture is taken
 # Pictures of the same seed are made of the same random numbers. Weights go through some 100 more operations of 6e-8
-# each, 6e-6 in all; so near a threshold do a share of about 4 choices a sample fall otherwise, at SAMPLES 1.5e-3 of the
-# pixels, and each by no more than one sample of them. Were a sample as bright as the picture's mean, that would be
-# sqrt(1.5e-3) / SAMPLES = 6e-4 of it; samples of lamps are up to 10 times as bright.
-SAME = 6e-3
+# each, 6e-6 in all, and near a threshold a share of that of about 4 choices a sample falls otherwise: of a pixel's N
+# samples 4 * 6e-6 N, each of which changes it by no more than one sample, BRIGHT means of the picture, over N. The root
+# mean square over the pixels is then BRIGHT sqrt(4 * 6e-6 / N): 6e-3 for 64 samples.
+FLIPS, BRIGHT = 4 * 6e-6, 10.0
 PUT_BACK = {  # what ``explain`` calls it -> what ``universal`` puts back
     "Fresnel terms": "specular",
     "time": "time",
@@ -108,7 +110,7 @@ def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) 
 
     preset = presets.find(identity)
     setups = [("lamps", "nodes")] if quick else [(name, "nodes") for name in SCENES]
-    setups += [(OSL_SCENE, "osl")]
+    setups += [(OSL_SCENE, "osl")] * (identity in {CASES[name] for name in OSL_CASES} and not quick)
     rounds = 1 if quick else ROUNDS
     found = [setup(preset, name, backend, rounds, list_all=not quick) for name, backend in setups]
     memory = {"scene": "lamps"} | {which: _memory(identity, which) for which in ("built", "universal")}
@@ -172,24 +174,51 @@ def setup(preset: Preset, name: str, backend: str, rounds: int, *, list_all: boo
         choice = replace(account.choice, play=play)
         data = universal.data_of(preset, (FRAME - 1.0) / LENGTH, play)
         pair = {"built": (build(preset, choice), data), "universal": (universal.build(choice), data)}
-        times: dict[str, list[dict[str, float]]] = {"first": [], "render": []}
-        pictures: dict[str, NDArray[np.float64]] = {}
-        for _ in range(rounds):
-            first, full = {}, {}
-            for which, (made, values) in pair.items():
-                first[which] = _render(shown, made, values, 1)[1]
-                pictures[which], full[which] = _render(shown, made, values, SAMPLES)
-            times["first"].append(first)
-            times["render"].append({which: full[which] - first[which] for which in pair})
-        found = _compared(pictures["built"], pictures["universal"])
+        first, full, pictures = _turns(shown, pair, rounds, backend)
+        found = _compared(pictures["built"], pictures["universal"], SAMPLES[backend])
         lines = _lines(shown, preset, account, list_all=list_all) if backend == "nodes" and name != "softbox" else []
         sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
     return {
         "scene": name, "backend": backend, "estimator": account.estimator,
         "nodes": {which: size.nodes for which, size in sizes.items()},
         "instructions": {which: size.instructions for which, size in sizes.items()},
-        **{what: _medians(of) for what, of in times.items()}, **found, "left_out": list(lines),
+        "first": _medians(first), "render": _medians(full), **found, "left_out": list(lines),
     }  # fmt: skip
+
+
+def _turns(
+    shown: Scene, pair: Mapping[str, tuple[Material, dict[str, Any]]], rounds: int, backend: str
+) -> tuple[list[dict[str, float]], list[dict[str, float]], dict[str, NDArray[np.float64]]]:  # fmt: skip
+    """Processor seconds of first renders and of further ones, round by round, and the pictures.
+
+    Each material has a scene of its own, whose Cycles keeps what it compiled. OSL compiles but once: it takes long.
+    """
+    scenes = {which: _twin(shown) for which in pair}
+    first = [{which: _render(scenes[which], *of, 1)[1] for which, of in pair.items()}]
+    for _ in range(rounds - 1 if backend == "nodes" else 0):
+        first.append({which: _render(shown, *of, 1)[1] for which, of in pair.items()})
+    full, pictures = [], {}
+    for _ in range(rounds):
+        seconds = {}
+        for which, of in pair.items():
+            pictures[which], seconds[which] = _render(scenes[which], *of, SAMPLES[backend])
+        full.append(seconds)
+    return first, full, pictures
+
+
+def _twin(shown: Scene) -> Scene:
+    """A copy of a scene with a ball of its own."""
+    twin, ball = shown.copy(), _ball(shown)
+    other = ball.copy()
+    other.data = ball.data.copy()
+    twin.collection.objects.unlink(ball)
+    twin.collection.objects.link(other)
+    twin.render.use_persistent_data = True
+    return twin
+
+
+def _ball(shown: Scene) -> Object:
+    return next(item for item in shown.objects if item.type == "MESH")
 
 
 def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) -> list[dict[str, Any]]:
@@ -199,10 +228,10 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) ->
     from ..material import build
     from . import universal
 
-    built = build(preset, account.choice)
+    built, samples = build(preset, account.choice), SAMPLES[account.choice.backend]
     start = universal.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
     nothing = universal.data_of(None)
-    plain, seconds = _render(shown, built, nothing, SAMPLES)
+    plain, seconds = _render(shown, built, nothing, samples)
     found = []
     for line in account.lines:
         part = PUT_BACK.get(line.what.partition(":")[0].partition(" (")[0])
@@ -214,10 +243,10 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) ->
             other, data = universal.without_eevee(built), nothing
         else:
             other, data = universal.with_part(built, account.choice, part), nothing
-        picture, more = _render(shown, other, data, SAMPLES)
+        picture, more = _render(shown, other, data, samples)
         nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
         found.append({
-            "what": line.what, "why": line.why, "nodes": nodes, **_compared(plain, picture), "time": more / seconds
+            "what": line.what, "why": line.why, "nodes": nodes, **_compared(plain, picture, samples), "time": more / seconds
         })  # fmt: skip
         if not list_all and len(found) == 3:
             break
@@ -231,20 +260,21 @@ def _render(
     from .. import gonio
     from . import universal
 
-    ball = shown.objects["Ball"]
-    ball.active_material = made
-    universal.dress(ball, data)
-    shown.view_layers[0].update()
+    ball = _ball(shown)
+    if ball.active_material != made:
+        ball.active_material = made
+        universal.dress(ball, data)
+        shown.view_layers[0].update()
     shown.cycles.samples = samples
     start = time.process_time()
     picture = gonio.rendered(shown).astype(np.float64)
     return picture, time.process_time() - start
 
 
-def _compared(a: NDArray[np.float64], b: NDArray[np.float64]) -> dict[str, Any]:
-    """Root mean square of what two pictures differ by, as a share of the first one's."""
+def _compared(a: NDArray[np.float64], b: NDArray[np.float64], samples: int) -> dict[str, Any]:
+    """Root mean square of what two pictures differ by, as a share of the first one's, and whether it is rounding."""
     difference = float(np.sqrt(np.mean((a - b) ** 2) / np.mean(a**2)))
-    return {"difference": difference, "same": difference < SAME}
+    return {"difference": difference, "same": difference < BRIGHT * (FLIPS / samples) ** 0.5}
 
 
 def _medians(rounds: list[dict[str, float]]) -> dict[str, Any]:

@@ -270,7 +270,9 @@ class _Universal:
         if self.form.backend == "osl":
             group = self._ensure(module, "Oren-Nayar", _by_data(partial(module.build_osl, kind="full"), "kind"))
             return [self._use(group, d, inputs | {"kind": qualitative})]
-        groups = [self._ensure(module, kind.title(), partial(module.build, kind=kind)) for kind in ("full", "qualitative")]
+        groups = [
+            self._ensure(module, kind.title(), partial(module.build, kind=kind)) for kind in ("full", "qualitative")
+        ]
         weights = (d * (1.0 - qualitative), d * qualitative)
         return [self._use(group, weight, inputs) for group, weight in zip(groups, weights, strict=True)]
 
