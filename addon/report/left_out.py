@@ -10,9 +10,9 @@ put back and weighted with 0 by data: how many nodes that is, how the picture di
                  "nodes": {"built": 1877, "universal": 11992}, "instructions": {"built": 0, "universal": 0},
                  "first": {"built": 0.2, "universal": 3.1, "ratio": 15.5, "rounds": [...]},
                  "render": {"built": 0.6, "universal": 1.1, "ratio": 1.8, "rounds": [...]},
-                 "difference": 2e-6, "same": true,
-                 "left_out": [{"what": "time", "why": "...", "nodes": 93, "difference": 0.0, "same": true,
-                               "time": 1.02}, ...]}, ...],
+                 "difference": 2e-6, "z": 0.4, "same": true,
+                 "left_out": [{"what": "time", "why": "...", "nodes": 93, "difference": 0.0, "z": 0.0,
+                               "same": true, "time": 1.02}, ...]}, ...],
      "memory": {"scene": "lamps", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
 
 "first" is a render of one sample, which synchronises and compiles; "render" one of ``SAMPLES`` by a Cycles that has
@@ -69,6 +69,7 @@ LENGTH, FRAME = 240.0, 97  # of a course that is played, and where in it the pic
 # samples 4 * 6e-6 N, each of which changes it by no more than one sample, BRIGHT means of the picture, over N. The root
 # mean square over the pixels is then BRIGHT sqrt(4 * 6e-6 / N): 6e-3 for 64 samples.
 FLIPS, BRIGHT = 4 * 6e-6, 10.0
+MOST_Z = 3.6  # two-sided, 1 % with a Sidak correction for the 36 channels or so that are compared so
 PUT_BACK = {  # what ``explain`` calls it -> what ``universal`` puts back
     "Fresnel terms": "specular",
     "time": "time",
@@ -175,7 +176,8 @@ def setup(preset: Preset, name: str, backend: str, rounds: int, *, list_all: boo
         data = universal.data_of(preset, (FRAME - 1.0) / LENGTH, play)
         pair = {"built": (build(preset, choice), data), "universal": (universal.build(choice), data)}
         first, full, pictures = _turns(shown, pair, rounds, backend)
-        found = _compared(pictures["built"], pictures["universal"], SAMPLES[backend])
+        anew = _draws_anew(preset, choice)
+        found = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], anew=anew)
         lines = _lines(shown, preset, account, list_all=list_all) if backend == "nodes" and name != "softbox" else []
         sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
     return {
@@ -229,6 +231,7 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) ->
     from . import universal
 
     built, samples = build(preset, account.choice), SAMPLES[account.choice.backend]
+    anew = _draws_anew(preset, account.choice)
     start = universal.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
     nothing = universal.data_of(None)
     plain, seconds = _render(shown, built, nothing, samples)
@@ -246,7 +249,7 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) ->
         picture, more = _render(shown, other, data, samples)
         nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
         found.append({
-            "what": line.what, "why": line.why, "nodes": nodes, **_compared(plain, picture, samples), "time": more / seconds
+            "what": line.what, "why": line.why, "nodes": nodes, **_compared(plain, picture, samples, anew=anew), "time": more / seconds
         })  # fmt: skip
         if not list_all and len(found) == 3:
             break
@@ -271,10 +274,29 @@ def _render(
     return picture, time.process_time() - start
 
 
-def _compared(a: NDArray[np.float64], b: NDArray[np.float64], samples: int) -> dict[str, Any]:
-    """Root mean square of what two pictures differ by, as a share of the first one's, and whether it is rounding."""
-    difference = float(np.sqrt(np.mean((a - b) ** 2) / np.mean(a**2)))
-    return {"difference": difference, "same": difference < BRIGHT * (FLIPS / samples) ** 0.5}
+def _compared(
+    a: NDArray[np.float64], b: NDArray[np.float64], samples: int, *, anew: bool = False
+) -> dict[str, Any]:  # fmt: skip
+    """Root mean square of what two pictures differ by, as a share of the first one's, and whether that means nothing.
+
+    anew: they are of random numbers of their own, and "z" says by how many standard errors the means differ.
+    """
+    d = a - b
+    difference = float(np.sqrt(np.mean(d**2) / np.mean(a**2)))
+    error = np.std(d, axis=(0, 1)) / (d.shape[0] * d.shape[1]) ** 0.5
+    z = float(np.max(np.abs(np.mean(d, axis=(0, 1))) / np.maximum(error, 1e-30)))
+    same = z < MOST_Z if anew else difference < BRIGHT * (FLIPS / samples) ** 0.5
+    return {"difference": difference, "z": z, "same": bool(same)}
+
+
+def _draws_anew(preset: Preset, choice: Choice) -> bool:
+    """Whether a ray that met the material once draws a facet where it meets it again.
+
+    It does so at another place, by the last digit, and the hash of that has nothing to do with the other's.
+    """
+    from ..material import RANDOM
+
+    return preset.transparent and preset.m > 0.0 and choice.estimator in RANDOM
 
 
 def _medians(rounds: list[dict[str, float]]) -> dict[str, Any]:

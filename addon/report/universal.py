@@ -22,8 +22,6 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from .. import animation
-from .. import lamps as lamp_binding
 from ... import nodegroups
 from ...nodegroups import (
     absorption,
@@ -38,6 +36,8 @@ from ...nodegroups import (
 from ...nodegroups import cook_torrance_closure as closure
 from ...nodegroups._tree import Value, select
 from ...nodegroups.lamp_beams import beam_interfaces
+from .. import animation
+from .. import lamps as lamp_binding
 from ..material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
 from ..preset_checks import M_RANGE, base_name
 from ..presets import Preset, shipped
