@@ -16,8 +16,8 @@ put back and weighted with 0 by data: how many nodes that is, how the picture di
      "memory": {"scene": "lamps", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
 
 "first" is a render of one sample, which synchronises and compiles; "render" one of ``SAMPLES`` by a Cycles that has
-compiled before. Both are processor seconds, medians of rounds that take turns; "ratio" is the median of the rounds' own.
-"time" of one thing put back is of one round, both with compiling, over the material as built. "over" is how far
+compiled before. Both are processor seconds, medians of rounds that take turns; "ratio" is the median of the rounds'
+own. "time" of one thing put back is of one round, both with compiling, over the material as built. "over" is how far
 memory rose above what the process held before it made the material. SVM's count of instructions is only in Cycles' log,
 which the Python module cannot switch on: plain nodes have no figure but their number.
 """
@@ -197,8 +197,8 @@ def _turns(
     """
     scenes = {which: _twin(shown) for which in pair}
     first = [{which: _render(scenes[which], *of, 1)[1] for which, of in pair.items()}]
-    for _ in range(rounds - 1 if backend == "nodes" else 0):
-        first.append({which: _render(shown, *of, 1)[1] for which, of in pair.items()})
+    more = rounds - 1 if backend == "nodes" else 0
+    first += [{which: _render(shown, *of, 1)[1] for which, of in pair.items()} for _ in range(more)]
     full, pictures = [], {}
     for _ in range(rounds):
         seconds = {}
@@ -248,9 +248,8 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) ->
             other, data = universal.with_part(built, account.choice, part), nothing
         picture, more = _render(shown, other, data, samples)
         nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
-        found.append({
-            "what": line.what, "why": line.why, "nodes": nodes, **_compared(plain, picture, samples, anew=anew), "time": more / seconds
-        })  # fmt: skip
+        said = {"what": line.what, "why": line.why, "nodes": nodes, "time": more / seconds}
+        found.append(said | _compared(plain, picture, samples, anew=anew))
         if not list_all and len(found) == 3:
             break
     return found

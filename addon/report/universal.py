@@ -2,9 +2,14 @@
 """The universal material: one node tree that shows any preset of ours, whose switches are set by data alone.
 
 It is what a material would be if nothing were left out of it: Cook-Torrance with every Fresnel term, both forms of
-Oren-Nayar, the weights of a sum, further lobes, transmission, a translucent body, absorption, the terms of eight lamps
-and a course over time, all made of the groups and shaders that ``material.build`` takes. For a preset and an estimator
+Oren-Nayar, the weights of a sum, further lobes, transmission, a translucent body, the terms of eight lamps and a course
+over time, all made of the groups and shaders that ``material.build`` takes. For a preset and an estimator
 it shows the same picture as the material that was built for them alone.
+
+Absorption is beside it, not in it: with a density by data Cycles takes a volume for uneven, and the pictures of every
+material would take several times as long for it alone. Of ``corrected`` as nodes it has four lamps' terms: with six the
+values that its parts share no longer fit in SVM's stack, and the material is black. An estimator is not data either.
+A parameter that some preset changes over time goes through one ramp, between the two keys around the object's age.
 
 All numbers are properties of the object, which Attribute nodes read as a ray meets it: Cycles folds constants, and
 would fold this material into the other. It is as quick as it can be made: what several kinds share is there once, and
@@ -49,12 +54,13 @@ if TYPE_CHECKING:
 
     from ...nodegroups._tree import Tree
     from ..animation import Play
+    from ..reference.keyframes import Keyframes
 
 NAME = "VGroove Universal"
 REVISION = 1
 LOBES = 3  # as many as any of our car paints has
 ANY = "any"  # the kind of Fresnel term that data choose
-TERMS = {"corrected": 4}
+TERMS = {"corrected": 4}  # of lamps, for nodes; as many as SVM's stack holds in every scene of ours
 PARTS = ("diffuse", "body", "specular", "lobes", "transmission")
 WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 NEUTRAL: dict[str, Any] = {  # each parameter, as it is where a preset has none
@@ -129,12 +135,13 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
     return found
 
 
-def _around(keys: animation.Keyframes, age: float) -> tuple[Any, Any, tuple[float, float, float]]:
+def _around(keys: Keyframes, age: float) -> tuple[Any, Any, tuple[float, float, float]]:
     """The keys before and after ``age``, and their ages."""
     k = int(np.clip(np.searchsorted(keys.times, age, side="right"), 1, max(keys.times.size - 1, 1)))
     ends = (k - 1, min(k, keys.times.size - 1))
     before, after = (keys.values[end].tolist() for end in ends)
-    return before, after, (*(float(keys.times[end]) for end in ends), 0.0)
+    start, end = (float(keys.times[end]) for end in ends)
+    return before, after, (start, end, 0.0)
 
 
 def _names() -> list[str]:
@@ -435,7 +442,7 @@ def _any_kind(*, osl: bool) -> Iterator[None]:
         ])  # fmt: skip
 
     fresnel.KINDS[ANY] = _AnyFresnel(osl=osl)  # type: ignore[assignment]
-    closure.lobe = lobe
+    closure.lobe = lobe  # type: ignore[assignment]
     try:
         yield
     finally:
