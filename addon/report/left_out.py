@@ -109,13 +109,21 @@ def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) 
     """The cell of a preset."""
     from .. import presets
 
-    preset = presets.find(identity)
-    setups = [("lamps", "nodes")] if quick else [(name, "nodes") for name in SCENES]
-    setups += [(OSL_SCENE, "osl")] * (identity in {CASES[name] for name in OSL_CASES} and not quick)
+    preset, backend = presets.find(identity), _backend()
+    setups = [(name, backend) for name in (("lamps",) if quick else SCENES)]
+    if backend == "nodes" and not quick and identity in {CASES[name] for name in OSL_CASES}:
+        setups.append((OSL_SCENE, "osl"))
     rounds = 1 if quick else ROUNDS
-    found = [setup(preset, name, backend, rounds, list_all=not quick) for name, backend in setups]
+    found = [setup(preset, name, by, rounds, list_all=not quick) for name, by in setups]
     memory = {"scene": "lamps"} | {which: _memory(identity, which) for which in ("built", "universal")}
     return {"preset": identity, "setups": found, "memory": memory}
+
+
+def _backend() -> str:
+    """What is measured in all scenes."""
+    from . import universal
+
+    return "nodes" if universal.fits() else "osl"
 
 
 def stage(name: str, size: int = SIZE) -> Scene:
@@ -178,7 +186,7 @@ def setup(preset: Preset, name: str, backend: str, rounds: int, *, list_all: boo
         first, full, pictures = _turns(shown, pair, rounds, backend)
         anew = _draws_anew(preset, choice)
         found = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], anew=anew)
-        lines = _lines(shown, preset, account, list_all=list_all) if backend == "nodes" and name != "softbox" else []
+        lines = _lines(shown, preset, account, list_all=list_all) if name != OSL_SCENE else []
         sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
     return {
         "scene": name, "backend": backend, "estimator": account.estimator,
@@ -325,7 +333,8 @@ def _child(identity: str, which: str) -> Iterator[dict[str, int]]:
     preset = presets.find(identity)
     with headless.quiet():
         shown = stage("lamps")
-        choice: Choice = explain.chosen(preset, shown, "nodes")[0]
+        shown.cycles.shading_system = _backend() == "osl"
+        choice: Choice = explain.chosen(preset, shown, _backend())[0]
         before = memory.held()
         memory.reset_peak()
         made = build(preset, choice) if which == "built" else universal.build(choice)

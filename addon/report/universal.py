@@ -89,6 +89,11 @@ class Form:
         return "mirror" if self.estimator in RANDOM else "closure"
 
 
+def fits() -> bool:
+    """Whether it can be had of plain nodes: SVM of Blender 4.5 has no room on its stack but for ``closure``'s."""
+    return bpy.app.version >= (5, 0, 0)
+
+
 def form_of(choice: Choice) -> Form:
     """What ``fit`` shows, ``corrected`` does where no lamp is lit, and it can do lamps as well."""
     return Form(choice.backend, "corrected" if choice.estimator == "fit" else choice.estimator)
