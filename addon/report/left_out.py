@@ -61,7 +61,7 @@ CASES = {
 QUICK = ("schlick", "plastic")
 SCENES = ("environment", "softbox", "lamps")
 OSL_SCENE, OSL_CASES = "softbox", ("schlick", "plastic", "glass", "car_paint")  # the rest take long and differ little
-SIZE, ROUNDS = 48, 3
+SIZE, ROUNDS = 40, 3
 SAMPLES = {"nodes": 64, "osl": 16}
 LENGTH, FRAME = 240.0, 97  # of a course that is played, and where in it the picture is taken
 # Pictures of the same seed are made of the same random numbers. Weights go through some 100 more operations of 6e-8
