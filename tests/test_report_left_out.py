@@ -34,7 +34,7 @@ def compared(preset, scene, backend, estimator="auto", changes=(dict,)):
 @pytest.mark.parametrize(
     ("name", "scene", "backend", "estimator"),
     [
-        pytest.param("plastics/red_plastic", "lamps", "nodes", "auto", marks=of_nodes),
+        pytest.param("plastics/abs_plastic", "lamps", "nodes", "auto", marks=of_nodes),
         pytest.param("glasses/frosted_glass", "environment", "nodes", "auto", marks=of_nodes),
         pytest.param("car_paints/blue", "softbox", "nodes", "auto", marks=of_nodes),
         ("metals/copper", "environment", "osl", "closure"),

@@ -53,7 +53,7 @@ CASES = {
     "schlick": "lecture/copper",
     "conductor": "metals/copper",
     "oren_nayar": "diffuse/clay",
-    "plastic": "plastics/red_plastic",
+    "plastic": "plastics/abs_plastic",
     "glass": "glasses/frosted_glass",
     "car_paint": "car_paints/blue",
     "over_time": "time_varying/rusting_iron",
