@@ -371,8 +371,11 @@ def explain(
     backend: BackendOption = Backend.NODES,
     estimator: Annotated[Estimator, typer.Option(help="auto: by what the scene holds")] = Estimator.AUTO,
     samples: Annotated[int | None, typer.Option(min=1, help="Samples a pixel, if not the scene's own")] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="{material, estimator, backend, lines, size, advice} in place of tables")
+    ] = False,
 ) -> None:
-    """Say what a preset's material is built of in a scene, and what was left out and why."""
+    """Say what a preset's material is built of in a scene, what was left out and why, and how much that saves."""
     preset = _changed(presets.find(name), settings, None)
     if in_scene is not None and not in_scene.is_file():
         message = f"{in_scene}: no such scene; name a .blend file"
@@ -380,19 +383,32 @@ def explain(
     _with_blender()
     from . import explain as explaining
     from . import headless, scene
+    from .report import universal
 
     with headless.quiet():
         shown = scene.opened(in_scene) if in_scene else scene.preview()
         shown.cycles.samples = samples or (shown.cycles.samples if in_scene else PREVIEW_SAMPLES)
         account = explaining.explain(preset, shown, str(backend), str(estimator))
+        advice = [problem.text for problem in scene.problems_with(shown, preset, str(backend), account.estimator)]
+        made = {"built": account.material, "universal": universal.build(account.choice)}
+    size = {which: asdict(explaining.size_of(of)) for which, of in made.items()}
+    if as_json:
+        said = {"material": account.material.name, "estimator": account.estimator, "backend": str(backend)}
+        print(json.dumps(said | {"lines": [asdict(line) for line in account.lines], "size": size, "advice": advice}))
+        return
     for title, kept in ((account.material.name, True), ("left out", False)):
         table = Table(title, "why")
         for line in account.lines:
             if line.kept == kept:
                 table.add_row(line.what, line.why)
         out.print(table)
-    for problem in scene.problems_with(shown, preset, str(backend), account.estimator):
-        out.print(f"advice: {problem.text}", highlight=False, markup=False)
+    table = Table("", "as built", "universal", caption="universal: one material that could show any preset")
+    for what, label in (("nodes", "nodes"), ("instructions", "OSL instructions")):
+        if size["universal"][what]:
+            table.add_row(label, *(str(of[what]) for of in size.values()))
+    out.print(table)
+    for text in advice:
+        out.print(f"advice: {text}", highlight=False, markup=False)
 
 
 @app.command()

@@ -15,7 +15,7 @@ from .material import NATIVE, RANDOM, Choice, absorbs, build
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import Material, Node, NodeTree, Scene
+    from bpy.types import Material, Node, NodeSocket, NodeTree, Scene
 
     from .presets import Preset
 
@@ -38,26 +38,60 @@ class Line:
 
 @dataclass(frozen=True)
 class Account:
-    """A material, the estimator that it was built by, and what it holds and does without."""
+    """A material, how it was built, and what it holds and does without."""
 
     material: Material
-    estimator: str
+    choice: Choice
     lines: list[Line]
+
+    @property
+    def estimator(self) -> str:
+        return self.choice.estimator
+
+
+@dataclass(frozen=True)
+class Size:
+    """How much there is of a material: its nodes as of ``nodes_inside``, and the instructions of its OSL shaders."""
+
+    nodes: int
+    instructions: int
 
 
 def explain(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> Account:
     """The material that ``preset`` gets in ``shown``, with its account; raises what ``build`` raises."""
-    pick = scene.Pick(estimator, "it was asked for")
-    if estimator == "auto":
-        pick = scene.pick(shown, preset.m, preset.model, backend)
-    lamps = scene.lamps_to_bind(shown, pick.estimator, preset.model)
-    made = build(preset, Choice(backend, pick.estimator, lamps))
+    choice, pick = chosen(preset, shown, backend, estimator)
+    made = build(preset, choice)
     lines = [Line(f"estimator {pick.estimator}", pick.why, kept=True)]
     if pick.estimator != "closure":
         lines.append(Line("closure beside it", "EEVEE shows that; Cycles leaves it out", kept=True))
     lines += [*_model(preset), *_nodes(made, backend), *_left_out(preset, pick.estimator)]
-    lines += _lamps(pick.estimator, shown, [lamp.name for lamp in lamps])
-    return Account(made, pick.estimator, lines)
+    lines += _lamps(pick.estimator, shown, [lamp.name for lamp in choice.lamps])
+    return Account(made, choice, lines)
+
+
+def chosen(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> tuple[Choice, scene.Pick]:
+    """How ``preset`` is built in ``shown``, and why by that estimator."""
+    pick = scene.Pick(estimator, "it was asked for")
+    if estimator == "auto":
+        pick = scene.pick(shown, preset.m, preset.model, backend)
+    return Choice(backend, pick.estimator, scene.lamps_to_bind(shown, pick.estimator, preset.model)), pick
+
+
+def size_of(made: Material) -> Size:
+    """Of what Cycles shows of a material.
+
+    The instructions are those of the shaders' bytecode, before OSL folds at run time what a material holds constant;
+    each use of a shader counts.
+    """
+    found = nodes_inside(made.node_tree)
+    scripts = [node.bytecode for node in found if node.bl_idname == "ShaderNodeScript"]
+    return Size(len(found), sum(map(_instructions, scripts)))
+
+
+def _instructions(bytecode: str) -> int:
+    """An .oso file has a line for each symbol, and after the first ``code`` a line, indented, for each instruction."""
+    _, _, code = bytecode.partition("\ncode ")
+    return sum(line.startswith("\t") for line in code.splitlines())
 
 
 def _model(preset: Preset) -> Iterator[Line]:
@@ -84,7 +118,7 @@ def _model(preset: Preset) -> Iterator[Line]:
 
 
 def _nodes(made: Material, backend: str) -> Iterator[Line]:
-    found = list(nodes_inside(made.node_tree))
+    found = nodes_inside(made.node_tree)
     shaders = sum(node.bl_idname == "ShaderNodeScript" for node in found)
     scripts = f", {shaders} of them OSL shader{'s' * (shaders > 1)}" if shaders else ""
     yield Line(f"backend {backend}", f"{len(found)} nodes in all{scripts}", kept=True)
@@ -129,19 +163,32 @@ def _lamps(estimator: str, shown: Scene, bound: list[str]) -> Iterator[Line]:
         yield Line(f"lamps {', '.join(unfollowed)}", "the formula cannot follow them", kept=False)
 
 
-def nodes_inside(tree: NodeTree) -> Iterator[Node]:
+def nodes_inside(tree: NodeTree) -> list[Node]:
     """The nodes of a tree and of all groups in it that feed what Cycles shows: each use of a group counts."""
+    return _inside(tree, {})
+
+
+def _inside(tree: NodeTree, known: dict[NodeTree, list[Node]]) -> list[Node]:
+    """``known``: what was found in groups, each of which is gone through once."""
+    if tree in known:
+        return known[tree]
+    sources: dict[NodeSocket, list[Node]] = {}  # socket.links goes through all links of the tree each time
+    for link in tree.links:
+        sources.setdefault(link.to_socket, []).append(link.from_node)
     ends = [node for node in tree.nodes if node.bl_idname == "NodeGroupOutput"]
     ends += [node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial" and node.target != "EEVEE"]
     wanted = [socket for node in ends for socket in node.inputs if socket.name != eevee.OUTPUT]
-    feeding = {node.name: node for node in ends if node.bl_idname == "ShaderNodeOutputMaterial"}
+    feeding = {node: None for node in ends if node.bl_idname == "ShaderNodeOutputMaterial"}
     while wanted:
-        for link in wanted.pop().links:
-            if link.from_node.name not in feeding:
-                feeding[link.from_node.name] = link.from_node
-                wanted += link.from_node.inputs
-    for node in feeding.values():
+        for node in sources.get(wanted.pop(), ()):
+            if node not in feeding:
+                feeding[node] = None
+                wanted += node.inputs
+    found: list[Node] = []
+    for node in feeding:
         if node.bl_idname == "ShaderNodeGroup":
-            yield from nodes_inside(node.node_tree)
+            found += _inside(node.node_tree, known)
         elif node.bl_idname != "NodeGroupInput":
-            yield node
+            found.append(node)
+    known[tree] = found
+    return found
