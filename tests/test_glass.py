@@ -89,7 +89,7 @@ def test_a_constant_in_place_of_the_hash_turns_the_furnace_red(blender, monkeypa
     """One facet for all samples."""
     monkeypatch.setattr(random_numbers, "build", frozen)
     monkeypatch.setattr(
-        osl_script, "source", mutated('return noise("hash", P, stream + noise("hash", I))', "return 0.37")
+        osl_script, "source", mutated('return noise("hash", P, noise("hash", point(1 - u - v, u, 0), noise("hash", I, stream)))', "return 0.37")
     )
     assert not check_glass.furnace_row(setup, 1.5, m, "all").passed
 
