@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the reference says of extreme parameters, and of courses that are all but steps."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import animation, check, gonio, headless
+from ..animation import Play
+from ..presets import parse
+from ..reference import Conductor, CookTorrance, Dielectric, Glass, OrenNayar, Schlick, albedo, rendered, spherical
+from ..timeline import plain
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..check import Setup
+    from ..reference import Model
+    from .stability import Seen
+
+THETAS = (0.0, 1e-9, 1e-3, 30.0, 60.0, 89.0, 89.9, 89.9999, 90.0 - 1e-6)
+PHIS = (0.0, 0.1, 90.0, 180.0 - 1e-6, 180.0)
+FRAMES = 240.0
+MOMENTS = 5
+# Both orders of wi and wo round apart, in float64: exp(-tan^2 / m^2) by tan^2 / m^2 <= 745, and a half vector of two
+# grazing directions by 1 / (pi / 2 - theta).
+RECIPROCAL = 1e-6
+
+
+def values(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
+    """f of a model for all pairs of ``THETAS`` and ``PHIS``; reciprocal."""
+    from .stability import Seen
+
+    wi, wo = _directions()[:, None], _directions()[None]
+    model = of(value)
+    f, back = model.evaluate(wi, wo), model.evaluate(wo, wi)
+    scale = np.maximum(np.maximum(np.abs(f), np.abs(back)), 1e-30)
+    apart = float(np.max(np.abs(f - back) / scale))
+    return Seen(f, more={"reciprocity": apart, "holds": apart <= RECIPROCAL})
+
+
+def shares(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
+    """The directional albedo of a model at each of ``THETAS``."""
+    from .stability import Seen
+
+    return Seen(albedo(of(value), spherical(np.radians(THETAS), 0.0)))
+
+
+def _directions() -> Any:
+    theta, phi = np.meshgrid(np.radians(THETAS), np.radians(PHIS))
+    return spherical(theta.ravel(), phi.ravel())
+
+
+def rough(m: float) -> Model:
+    return CookTorrance(m, Schlick(1.0))
+
+
+def dielectric(eta: float) -> Model:
+    return CookTorrance(0.3, Dielectric(eta))
+
+
+def conductor(k: float) -> Model:
+    return CookTorrance(0.3, Conductor(0.2, k))
+
+
+def diffuse(kind: str, sigma: float) -> Model:
+    return OrenNayar(0.95, sigma, qualitative=kind == "qualitative")
+
+
+def glass(eta: float) -> Model:
+    return Glass(0.3, eta)
+
+
+_M = (1e-6, 1e-4, 0.01, 0.3, 1.0, 10.0)
+_ETA = (0.1, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 1.5, 10.0)
+_K = (0.0, 1e-9, 1.0, 20.0)
+_SIGMA = (0.0, 1e-6, 0.3, 1.0, np.pi / 2)
+# what, values, look, most
+ROWS: tuple[tuple[Any, ...], ...] = (
+    ("m, f", _M, partial(values, rough), None),
+    ("m, albedo", _M, partial(shares, rough), 1.0),
+    ("eta, f", _ETA, partial(values, dielectric), None),
+    ("eta, albedo", _ETA, partial(shares, dielectric), 1.0),
+    ("k, f", _K, partial(values, conductor), None),
+    ("k, albedo", _K, partial(shares, conductor), 1.0),
+    ("sigma, full, f", _SIGMA, partial(values, partial(diffuse, "full")), None),
+    ("sigma, full, albedo", _SIGMA, partial(shares, partial(diffuse, "full")), 1.0),
+    ("sigma, qualitative, albedo", _SIGMA, partial(shares, partial(diffuse, "qualitative")), 1.0),
+    ("eta, glass, albedo", _ETA, partial(shares, glass), 1.0),
+)
+
+
+def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
+    """``direct`` at moments of a course that falls at ``rate``, against the keys that Blender plays."""
+    middle = "middle = 0.5\n" if law == "logistic" else ""
+    text = (
+        'name = "Step"\nmodel = "cook_torrance"\nm = 1.0\n[fresnel]\nf0 = 1.0\n[source]\ndata = "check"\n'
+        f'[time]\nunit = "s"\nrange = [0.0, 1.0]\nkind = "authored"\n[time.m]\nlaw = "{law}"\nend = 0.05\n'
+        f"rate = {rate!r}\n{middle}"
+    )
+    preset = parse(text, "check/step", "check")
+    play = Play(driving, 1.0, FRAMES)
+    keys = animation.keyframes(preset.trajectory(), play)
+    frames = (1.0 + FRAMES * np.linspace(0.0, 1.0, MOMENTS)).tolist()
+    geometry = gonio.Geometry(45.0, 0.0, (32, 32))
+    with headless.quiet():
+        images = gonio.measure_course(
+            preset, setup.backend, "direct", geometry, play, frames, shading_osl=setup.shading_osl
+        )
+    off = 0.0
+    for image, frame in zip(images, frames, strict=True):
+        m = float(plain(keys["m"].law()((frame - 1.0) / FRAMES)))
+        expected = rendered(CookTorrance(m, Schlick(1.0)), "direct")(geometry.wi(), geometry.wo())
+        off = max(off, float(np.max(np.abs(image - expected)) / np.max(expected)))
+    nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES
+    limit = "" if nearest >= 0.001 else f"keys {nearest:.1g} frames apart are pushed to 0.001 frames: a step"
+    more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= check.direct_bar(0.05)}
+    return {"image": images.astype(np.float64), "limit": limit, "more": more}
