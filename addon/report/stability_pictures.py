@@ -115,9 +115,7 @@ def _numbers_material() -> Material:
         made.use_nodes = True
     tree = made.node_tree
     tree.nodes.clear()
-    group, emission, output = (
-        tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "Emission", "OutputMaterial")
-    )
+    group, emission, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "Emission", "OutputMaterial"))
     group.node_tree = nodegroups.ensure(random_numbers.NAME, random_numbers.REVISION, random_numbers.build)
     tree.links.new(group.outputs[0], emission.inputs["Color"])
     tree.links.new(emission.outputs[0], output.inputs["Surface"])

@@ -107,7 +107,8 @@ void tangents(vector n, output vector T, output vector B)
 // hash stream a number
 float random_number(float stream)
 {
-    return noise("hash", P, noise("hash", point(1 - u - v, u, 0), noise("hash", I, stream)));
+    float w = noise("hash", point(1 - u - v, u, 0), noise("hash", I, stream));
+    return noise("hash", P, w);
 }
 
 // A facet by D(h) (n.h), swapped for its dual across the groove where the view rather sees that. Heitz & d'Eon 2014
