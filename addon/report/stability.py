@@ -328,7 +328,7 @@ TABLE: tuple[Line, ...] = (
         for law in ("exponential", "logistic")
         for driving in DRIVINGS
     ),
-    *(Line("reference", *row, setups=()) for row in stability_reference.ROWS),
+    *(Line("reference", what, values, look, most, setups=()) for what, values, look, most in stability_reference.ROWS),
 )
 
 
@@ -362,7 +362,7 @@ def judged(line: Line, value: Any, setup: Setup | None) -> dict[str, Any]:
     seen = line.look(value, setup) if setup else line.look(value, SETUPS[0])
     image = seen.image
     finite = bool(np.isfinite(image).all())
-    lowest = float(image.min()) if finite else None
+    lowest = float(np.min(image)) if finite else None
     highest, doubt = _highest(seen) if finite else (None, 0.0)
     z, resolved, unbiased = _unbiased(seen.row) if line.unbiased and seen.row and finite else (None, None, True)
     least = lowest is not None and lowest >= line.least
@@ -384,7 +384,7 @@ def _plain(value: Any) -> Any:
 def _highest(seen: Seen) -> tuple[float, float]:
     """The largest value, or mean of a row whose pixels see alike; and what noise may have added to that."""
     if not seen.alike:
-        return float(seen.image.max()), 0.0
+        return float(np.max(seen.image)), 0.0
     means = seen.image.mean(axis=1)
     errors = seen.image.std(axis=1, ddof=1) / seen.image.shape[1] ** 0.5
     at = np.unravel_index(int(np.argmax(means)), means.shape)
