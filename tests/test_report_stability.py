@@ -8,7 +8,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from vgroove.addon import check, material, presets
+from vgroove.addon import animation, check, material, presets
+from vgroove.addon.reference import Keyframes
 from vgroove.addon.report import stability
 from vgroove.addon.report.stability import Line, Seen, Shot
 from vgroove.nodegroups import random_numbers
@@ -36,7 +37,7 @@ def test_the_limit_for_noisy_cases_counts_them_all():
 def test_a_quick_report_has_the_ends_of_each_line_in_one_setup():
     for group in GROUPS:
         full, quick = (stability.cases(group, quick=q) for q in (False, True))
-        assert {line for line, *_ in full} == {line for line, *_ in quick}
+        assert {line for line, *_ in full if line.quick} == {line for line, *_ in quick}
         assert {setup for *_, setup in quick} <= {check.SETUPS[0], None}
         for line, value, _ in quick:
             assert value in (line.values if len(line.values) <= stability.FEW else (line.values[0], line.values[-1]))
@@ -119,3 +120,17 @@ def test_presets_refuse_what_is_out_of_range_and_sockets_stay_finite(instrument)
     with pytest.raises(presets.PresetError, match="between"):
         stability.white(1e-6)
     assert material.M_RANGE == (1e-4, 10.0)
+
+
+@pytest.mark.parametrize("at", [0.0, 0.5, 1.0])
+def test_a_step_shorter_than_keys_may_be_apart_leads_from_the_laws_value_to_the_laws_value(at):
+    """Wherever it is in the course, a thousandth of a frame beside it the value is as before, and as after."""
+    within = np.linspace(-1.0, 0.0, 9) if at == 1.0 else np.linspace(0.0, 1.0, 9)
+    crowd = 1.0 + 240.0 * at + 1e-5 * within
+    times = np.unique([1.0, *crowd, 241.0])
+    keys = Keyframes(times, np.interp(times, crowd, np.linspace(1.0, 0.05, 9)))
+    apart = animation._apart(keys)
+    assert np.diff(apart.times).min() >= animation.CLOSEST * (1.0 - 1e-9)  # 1e-3 added to 241 rounds by 2^-46
+    assert set(apart.times) >= {1.0, 241.0}
+    for frame in (61.0, 120.99, 121.01, 181.0):
+        assert np.interp(frame, apart.times, apart.values) == pytest.approx(np.interp(frame, times, keys.values))

@@ -207,6 +207,7 @@ def heap(preset: Preset, estimator: str, bounces: int, setup: Setup, *, balls: i
         for kind in ("max", "diffuse", "glossy", "transmission"):
             setattr(cycles, f"{kind}_bounces", bounces)
         mesh = scene.ball_mesh(32, 16)
+        mesh.shade_flat()  # a smooth normal apart from the surface's own would lose light
         mesh.materials.append(build(preset, Choice(setup.backend, estimator)))
         for index in range(balls):
             item = bpy.data.objects.new("Ball", mesh)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 THETAS = (0.0, 1e-9, 1e-3, 30.0, 60.0, 89.0, 89.9, 89.9999, 90.0 - 1e-6)
 PHIS = (0.0, 0.1, 90.0, 180.0 - 1e-6, 180.0)
 FRAMES = 240.0
-MOMENTS = 5
+MOMENTS = (0.0, 0.25, 0.6, 0.8, 1.0)  # of a course: none within the step of ``logistic``, at 0.5
 # f with wi and wo swapped. At the angle of total reflection F goes as a root: 1 - F is 2 (1 + 1 / eta^2) / c times the
 # root of 2 c 2^-52, 2e-7 of the eta of 0.5 that meets it here exactly. Rounding otherwise is 2^-52 a step.
 RECIPROCAL = 2.0**-20
@@ -106,7 +106,7 @@ def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
     preset = parse(text, "check/step", "check")
     play = Play(driving, 1.0, FRAMES)
     keys = animation.keyframes(preset.trajectory(), play)
-    frames = (1.0 + FRAMES * np.linspace(0.0, 1.0, MOMENTS)).tolist()
+    frames = (1.0 + FRAMES * np.array(MOMENTS)).tolist()
     geometry = gonio.Geometry(45.0, 0.0, (32, 32))
     with headless.quiet():
         images = gonio.measure_course(
@@ -118,6 +118,7 @@ def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
         expected = rendered(CookTorrance(m, Schlick(1.0)), "direct")(geometry.wi(), geometry.wo())
         off = max(off, float(np.max(np.abs(image - expected)) / np.max(expected)))
     nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES
-    limit = "" if nearest >= 0.001 else f"keys {nearest:.1g} frames apart are pushed to 0.001 frames: a step"
+    crowded = driving == "curves" and nearest < animation.CLOSEST
+    limit = f"F-curves have no two keys within {animation.CLOSEST:g} frames: a step takes that long" if crowded else ""
     more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= check.direct_bar(0.05)}
     return {"image": images.astype(np.float64), "limit": limit, "more": more}
