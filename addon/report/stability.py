@@ -286,7 +286,13 @@ TABLE: tuple[Line, ...] = (
         for e in ("closure", "fit", "corrected")
     ),
     *(
-        KNOWN("fresnel", f"{name}, {kind}", values, partial(facets, partial(reflecting, kind, name)))
+        KNOWN(
+            "fresnel",
+            f"{name}, {kind}",
+            values,
+            partial(facets, partial(reflecting, kind, name)),
+            quick=name in {"f0", "k"},
+        )
         for kind, name, values in ENDS
     ),
     KNOWN("fresnel", "eta, dielectric", ETAS, partial(facets, float32_eta)),
@@ -312,7 +318,14 @@ TABLE: tuple[Line, ...] = (
         for side in SIDES
     ),
     *(
-        Line("layers", f"m, {identity}, {e}", (1e-4, 1.0), partial(sky, e, partial(layered, identity)), FITTED)
+        Line(
+            "layers",
+            f"m, {identity}, {e}",
+            (1e-4, 1.0),
+            partial(sky, e, partial(layered, identity)),
+            FITTED,
+            quick=identity != LAYERED[-1],
+        )
         for identity in LAYERED
         for e in ("mirror", "fit")
     ),
