@@ -199,16 +199,27 @@ def _set_channel(socket: NodeSocket, channel: int, value: float) -> None:
 
 
 def _apart(keys: Keyframes) -> Keyframes:
-    """The first and the last key, and of those between what is CLOSEST to no other that is kept."""
-    kept = [0]
+    """The first and the last key, and of those between what is CLOSEST to no other that is kept.
+
+    A crowd's first and last key are both kept, if need be moved by up to CLOSEST: before a step the value has come to
+    the one, and goes on from the other, for long.
+    """
+    times, kept, last = keys.times.copy(), [0], keys.times.size - 1
     for k, frame in enumerate(keys.times):
-        if frame - keys.times[kept[-1]] >= CLOSEST:
+        if 0 < k < last and keys.times[k + 1] - frame >= 2.0 * CLOSEST:
+            times[k] = max(frame, times[kept[-1]] + CLOSEST)
             kept.append(k)
-    last = keys.times.size - 1
+        elif frame - times[kept[-1]] >= CLOSEST:
+            kept.append(k)
     if kept[-1] != last:
-        kept = [*kept[: max(len(kept) - 1, 1)], last]
+        before = times[last] - CLOSEST
+        if len(kept) > 1 and before - times[kept[-2]] >= CLOSEST:
+            times[kept[-1]] = before
+        elif len(kept) > 1:
+            kept.pop()
+        kept.append(last)
     parts = (None if part is None else part[kept] for part in (keys.before, keys.after))
-    return Keyframes(keys.times[kept], keys.values[kept], *parts)
+    return Keyframes(times[kept], keys.values[kept], *parts)
 
 
 def _write(curve: FCurve, keys: Keyframes, interpolation: str) -> None:

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..nodegroups import cook_torrance_closure, lamp
-from . import lamps
+from . import lamps, rays
 from .files import replacing
 from .material import BUILDERS, EVERY_LAMP, KEY, NATIVE, RANDOM, Choice, apply, binds, build, course_of, origin_of
 
@@ -57,6 +57,8 @@ def problems(scene: Scene, backend: str, estimator: str, m: float = 0.0, model: 
         return [*found, Problem("model", text)]
     if estimator in RANDOM:
         found += _mirror_problems(scene, estimator, model)
+        if model != "glass" or m > 0.0:  # a smooth interface draws nothing
+            found += _ray_problems(scene)
         found += _shadow_problems(backend, estimator, lamps_to_bind(scene, estimator, model))
     if estimator == "direct":
         found += _direct_problems(scene)
@@ -200,6 +202,23 @@ def _mirror_problems(  # noqa: C901 - one condition a problem
         yield Problem("caustics", text, "Switch Caustics On", lambda: _set(cycles, caustics_reflective=True))
 
 
+def _ray_problems(scene: Scene) -> Iterator[Problem]:
+    """Too few different rays to hash random numbers from: noise, the same for every seed, that no sample takes away."""
+    wanted = min(scene.cycles.samples, rays.MOST)
+    found = rays.different_rays(scene, wanted)
+    if 2 * found > wanted:
+        return
+    text = f"Only {found} of {wanted} rays in a pixel differ, and random numbers with them: more samples bring nothing"
+    if rays.filter_width(scene) < 1.0:
+        widen = partial(_set, scene.cycles, filter_width=1.5)
+        yield Problem("rays", f"{text}. The pixel filter is too narrow", "Widen the Pixel Filter", widen)
+    elif scene.camera.data.type == "ORTHO":
+        why = "An orthographic camera is too far from the origin"
+        yield Problem("rays", f"{text}. {why}", "Open Its Aperture a Little", partial(rays.open_aperture, scene))
+    else:
+        yield Problem("rays", f"{text}. The camera looks at too small an angle; move it nearer and shorten its lens")
+
+
 def _direct_problems(scene: Scene) -> Iterator[Problem]:
     if not any(lamps.refusal(item) is None for item in lamps.of_scene(scene)):
         yield Problem("lamps", "Direct shows bound lamps alone, and this scene has none that it can follow")
@@ -223,6 +242,7 @@ def _bound_problems(scene: Scene, backend: str, estimator: str) -> Iterator[Prob
     if sized:
         text = f"{name} draws a random point on lamps with a size, which brings noise: {_names(sized)}"
         yield Problem("sized", text)
+        yield from _ray_problems(scene)
     yield from _shadow_problems(backend, estimator, followed)
 
 

@@ -44,7 +44,7 @@ from ._tree import (
 )
 from .random_numbers import random_numbers
 
-REVISION = 1
+REVISION = 2
 AREAS = ("RECTANGLE", "ELLIPSE")
 KINDS = ("SUN", "POINT", "SPOT", *AREAS)
 STREAM = 10  # of the first lamp; each further one has the next. mirror's facet has the first

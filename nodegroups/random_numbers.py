@@ -1,23 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three random numbers for each sample: Cycles hands shaders none, so a hash of position and direction stands in.
+"""Three random numbers for each sample: Cycles hands shaders none, so a hash of what a ray brings stands in.
 
-The pixel filter and every bounce move P, which makes the hash new from sample to sample. The fourth hash dimension
-keeps streams apart: an offset added to P would be lost in rounding far from the origin.
+The pixel filter and every bounce move position and direction, which makes the hash new from sample to sample. Position
+is rounded in world space, to 2^-24 of the distance from the origin; Parametric is rounded within its triangle, so it
+still tells samples apart there, of things that move above all. It is (0, 0) where there is no triangle or curve.
+Each is hashed before it meets the next: a sum would lose the digits of the smaller.
 """
 
 from . import ensure
 from ._tree import Tree, Value
 
 NAME = "VGroove Random"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:
-    stream = tree.input_float("Stream", 0.0, low=0.0, high=100.0, tip="A number of its own for each independent draw")
-    with tree.frame("hash(P, stream + hash(I))"):
-        direction = tree.node("ShaderNodeTexWhiteNoise", tree.geometry("Incoming"), noise_dimensions="3D")
-        noise = tree.node("ShaderNodeTexWhiteNoise", tree.geometry("Position"), noise_dimensions="4D")
-        tree.connect(stream + Value(tree, direction.outputs["Value"]), noise.inputs["W"])
+    w = tree.input_float("Stream", 0.0, low=0.0, high=100.0, tip="A number of its own for each independent draw")
+    with tree.frame("hash(P, hash(uv, hash(I, stream)))"):
+        for name in ("Incoming", "Parametric", "Position"):
+            noise = tree.node("ShaderNodeTexWhiteNoise", tree.geometry(name), noise_dimensions="4D")
+            tree.connect(w, noise.inputs["W"])
+            w = Value(tree, noise.outputs["Value"])
     tree.output_vector("Random", Value(tree, noise.outputs["Color"]), tip="Three numbers in 0..1")
 
 

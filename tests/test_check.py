@@ -91,9 +91,7 @@ def mutated(old, new):
 def test_a_constant_in_place_of_the_hash_turns_mirror_red(blender, monkeypatch, m):
     """A frozen random number looks like no noise at all; the Z-test sees that it is the wrong picture."""
     with monkeypatch.context() as patch:
-        patch.setattr(
-            osl_script, "source", mutated('return noise("hash", P, stream + noise("hash", I))', "return 0.37")
-        )
+        patch.setattr(osl_script, "source", mutated('return noise("hash", P, w)', "return 0.37"))
         assert not check.furnace_row(check.SETUPS[2], "white", m).passed
     monkeypatch.setattr(random_numbers, "build", frozen)
     assert not check.furnace_row(check.SETUPS[0], "white", m).passed

@@ -308,7 +308,7 @@ def test_a_constant_in_place_of_the_hash_turns_half_shadows_red(two_floors, monk
         tree.output_vector("Random", (0.37, 0.37, 0.37), tip="A constant")
 
     monkeypatch.setattr(random_numbers, "build", frozen)
-    source, drawn = osl_script.source, 'noise("hash", P, stream + noise("hash", I))'
+    source, drawn = osl_script.source, 'noise("hash", P, w)'
     assert drawn in source("lamp")
     monkeypatch.setattr(osl_script, "source", lambda name: source(name).replace(drawn, "0.37"))
     assert not judged(*two_floors(case, setup, occluder=True, samples=16), 1)[0]

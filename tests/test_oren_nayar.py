@@ -119,7 +119,7 @@ def test_one_percent_in_the_weight_or_a_constant_hash_turns_mirror_red(blender, 
     brdf = oren_nayar.brdf
     for nodes, osl in (
         ((oren_nayar, "brdf", lambda *given: brdf(*given) * 0.99), ("BSDF = M_PI", "BSDF = 0.99 * M_PI")),
-        ((random_numbers, "build", frozen), ('return noise("hash", P, stream + noise("hash", I))', "return 0.37")),
+        ((random_numbers, "build", frozen), ('return noise("hash", P, w)', "return 0.37")),
     ):
         with monkeypatch.context() as patch:
             patch.setattr(*nodes)

@@ -1,14 +1,430 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""To come."""
+"""Extreme cases: finite, not negative, no more light than came, and unbiased, or the limit is stated.
+
+A cell holds a group of ``TABLE``: {"cases": [...], "passed": all of them}. A case is one value in one setup:
+
+    what, value, setup    what is varied, and how it is rendered ("NumPy": by the reference alone)
+    held                  what float32 shaders have of a value: 1 of 1 - 1e-9
+    finite, lowest        whether every number is, and the smallest
+    highest               the largest; of a white sky the albedo, as the mean of pixels that see alike
+    z                     of the factor that scales all pixels together; null where no reference is held against it
+    resolves              the smallest common factor, less 1, that z would have told from chance
+    limit                 what happens in place of what was asked; "" where it is done as asked
+    passed                whether all is finite, not negative, and as the table asks or the limit states
+
+and what else its group measures: of pictures "noise", over what their samples explain, and how many "numbers" differ of
+the rays "of" a pixel, and "rays" as the panel foresees it; "holds", whether what only this group asks is so.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from .. import check, check_glass, check_oren_nayar, gonio, headless
+from ..animation import DRIVINGS
+from ..check import SETUPS, Row, Setup
+from ..material import Choice, build, parameter_sockets
+from ..preset_checks import PresetError
+from ..presets import Preset, find
+from ..reference import CookTorrance, albedo
+from ..reference.hybrid import DEFAULT_BOUND
+from ..reference.oren_nayar_fit import KINDS
+from ..reference.quadrature import diffuse_albedo, vgroove_albedo, vgroove_mean
+from . import stability_pictures, stability_reference
+from .record import Cell
+from .stability_pictures import Shot
 
 if TYPE_CHECKING:
-    from .record import Cell
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+SAMPLES = 256
+SKY = gonio.Geometry(furnace=True, resolution=(64, 8))
+COLUMN = SKY.wo()[:, :1]
+SLOPES = (1e-4, 1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0)
+NATIVE_SLOPES = tuple(m for m in SLOPES if m <= 1.0)
+ETAS = (0.1, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 1.5, 10.0)
+THETAS = (0.0, 45.0, 89.0, 89.9, 89.99, 89.99999)
+SIGMAS = (0.0, 1e-6, 0.1, 1.0, np.pi / 2)
+SIDES = ("outside", "inside")
+ALL, SMOOTH_LOSS = 1024, check_glass.SMOOTH_BAR  # bounces, as many as Cycles makes; of light, to rounding
+NEAREST = 90.0 - 2.0**-17  # degrees: what float32 holds of 90 - 1e-6
+ROUNDING = 2.0**-15.5  # of a sum of at most 2^17 samples in float32, as in ``check.View``
+FEW = 2  # of a line's values, in a quick report: its ends
+NOISY = 234  # cases that are judged by Z, for Sidak's correction; a test holds it to the table
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a case gave. image: (..., 3). alike: pixels of a row see alike, up to noise. row: to be judged by Z."""
+
+    image: NDArray[np.float64]
+    alike: bool = False
+    row: Row | None = None
+    limit: str = ""
+    more: dict[str, Any] = field(default_factory=dict)
+
+
+Look: TypeAlias = "Callable[[Any, Setup], Seen]"
+
+
+@dataclass(frozen=True)
+class Line:
+    """One thing that is varied, and what is asked of it beside that it is finite.
+
+    most: albedo, at most; None where a number is no share of light. least: what rounding may leave below 0.
+    setups: none for the reference alone, which renders nothing. quick: whether a quick report has it, by its ends.
+    """
+
+    group: str
+    what: str
+    values: tuple[Any, ...]
+    look: Look
+    most: float | None = 1.0
+    least: float = 0.0
+    unbiased: bool = False
+    setups: tuple[Setup, ...] = (SETUPS[0], SETUPS[2])
+    quick: bool = True
+
+
+# Looks
+
+
+def sky(estimator: str, change: Callable[[float], Preset], value: float, setup: Setup) -> Seen:
+    """Any preset under a white sky."""
+    return Seen(check.measure(change(value), setup, estimator, SKY, SAMPLES), alike=True)
+
+
+def facets(change: Callable[[float], Preset], value: float, setup: Setup) -> Seen:
+    """Cook-Torrance by ``mirror`` under a white sky, whose mean and variance are known."""
+    preset = change(value)
+    m, F = float(np.float32(preset.m)), preset.reference_fresnel()
+    moments = albedo(CookTorrance(m, F), COLUMN), vgroove_albedo(COLUMN, m, F, moment=2)
+    return weighed(check.measure(preset, setup, "mirror", SKY, SAMPLES), setup, *moments)
+
+
+def diffuse(kind: str, sigma: float, setup: Setup) -> Seen:
+    """Oren-Nayar by ``mirror`` under a white sky."""
+    preset = check_oren_nayar.preset(kind, sigma)
+    model = check_oren_nayar.model(preset)
+    square = diffuse_albedo(COLUMN, lambda wi, wo: np.pi * model.evaluate(wi, wo) ** 2)
+    image = check.measure(preset, setup, "mirror", SKY, SAMPLES)
+    return weighed(image, setup, model.directional_albedo(COLUMN), square)
+
+
+def glass(inside: bool, m: float, eta: float, setup: Setup) -> Seen:  # noqa: FBT001 - bound by place in the table
+    """Glass by ``mirror``: R + T under a white sky."""
+    ahead = float(np.float32(1.0) / np.float32(eta) if inside else np.float32(eta))
+
+    def worth(F: Any, R: Any, T: Any) -> Any:
+        total = F * R + (1.0 - F) * T
+        return np.stack([total, total**2, 0.0 * total], axis=-1)
+
+    found = vgroove_mean(COLUMN, float(np.float32(m)), ahead, worth)
+    made = check_glass.material(setup, "mirror", eta, m)
+    image = check_glass.measure(made, setup, replace(SKY, inside=inside), SAMPLES)
+    return weighed(image, setup, found[..., :1], found[..., 1:2])
+
+
+def weighed(image: NDArray[np.float64], setup: Setup, mean: NDArray[np.float64], square: NDArray[np.float64]) -> Seen:
+    """``image`` of a white sky beside the moments (rows, 1, channels) of one sample.
+
+    A sample is worth 0 to 1. A variance of v then is that of at least v N rare events among N samples, and pixels are
+    judged together until they have 25.
+    """
+    mean, square = (np.broadcast_to(part, image.shape) for part in (mean, square))
+    events = SAMPLES * np.maximum(square - mean**2, 0.0)[..., 0]
+    view = check.pooled_view(SKY, events, image, mean, square, SAMPLES)
+    return Seen(image, alike=True, row=Row("sky", setup, "", 0.0, [view]))
+
+
+def native_glass(inside: bool, m: float, eta: float, setup: Setup) -> Seen:  # noqa: FBT001 - the same
+    made = check_glass.material(setup, "closure", eta, m)
+    return Seen(check_glass.measure(made, setup, replace(SKY, inside=inside), SAMPLES), alike=True)
+
+
+def grazing_view(estimator: str, m: float, theta: float, setup: Setup) -> Seen:
+    """The white sky by views within 1/64 of what is left to the horizon, at m."""
+    preset = white(m)
+    geometry = gonio.Geometry(theta, window=max(90.0 - theta, 1e-5) / 64, furnace=True, resolution=(16, 16))
+    return Seen(check.measure(preset, setup, estimator, geometry, SAMPLES))
+
+
+def grazing_light(estimator: str, m: float, theta: float, setup: Setup) -> Seen:
+    """The sun at theta, on the hemisphere and around its mirror direction. Cosine-free: no share of light."""
+    preset = check.materials()["dielectric"].with_parameters(m=m)
+    views = [
+        check.measure(preset, setup, estimator, gonio.Geometry(theta, window, (32, 32)))
+        for window in (0.0, max(90.0 - theta, 1e-5) / 2)
+    ]
+    return Seen(np.stack(views))
+
+
+def out_of_range(name: str, usual: Callable[[], Preset], value: float, setup: Setup) -> Seen:
+    """A value that presets refuse, and what the shader makes of it where a script sets it all the same."""
+    of = usual()
+    try:
+        of.with_parameters(**{name: value})
+    except PresetError as error:
+        refused = str(error).partition(": ")[2]
+    else:
+        refused = ""
+    made = build(of, Choice(setup.backend, "mirror"))
+    socket = parameter_sockets(made)[name]
+    kept = socket.default_value
+    socket.default_value = value
+    with headless.quiet():
+        image = gonio.measure(made, SKY, samples=SAMPLES, shading_osl=setup.shading_osl)
+    socket.default_value = kept
+    limit = f"presets and jobs refuse it: {refused}" if refused else ""
+    return Seen(image.astype(np.float64), alike=True, limit=limit, more={"holds": bool(refused)})
+
+
+def picture(shot: Shot, setup: Setup) -> Seen:
+    """A white plane, far away, large, small, moving."""
+    photo = stability_pictures.photo(shot, setup)
+    more = {"noise": photo.noise, "numbers": photo.numbers, "of": stability_pictures.NUMBERS**2, "rays": photo.rays}
+    return Seen(photo.row.views[0].measured, row=photo.row, limit=photo.warned, more=more)
+
+
+def copies(shot: Shot, setup: Setup) -> Seen:
+    """Two instances far apart: each as it should be, and with noise of its own."""
+    first, second = (stability_pictures.photo(one, setup) for one in (shot, stability_pictures.other_copy(shot)))
+    a, b = (one.row.views[0].measured[..., 0].ravel() for one in (first, second))
+    alike = float(np.corrcoef(a, b)[0, 1])  # of 1024 independent pixels: 0 with a standard deviation of 1/32
+    both = Row("instances", setup, "white", first.row.m, [first.row.views[0], second.row.views[0]])
+    images = np.stack([view.measured for view in both.views])
+    return Seen(images, row=both, more={"correlation": alike, "holds": abs(alike) * a.size**0.5 < check.limit(NOISY)})
+
+
+def bounces(estimator: str, most: int, setup: Setup) -> Seen:
+    """Nine balls that mirror all light, close together."""
+    image = stability_pictures.heap(white(0.3), estimator, most, setup)
+    return Seen(image)
+
+
+def inside_glass(most: int, setup: Setup) -> Seen:
+    """A smooth glass ball under a white sky gives back all of it but for paths that are cut."""
+    preset = find("glasses/bk7_crown_glass").with_parameters(m=0.0, absorption=0.0)
+    image = stability_pictures.heap(preset, "mirror", most, setup, balls=1)
+    lost = float(1.0 - image.mean())
+    return Seen(image, more={"lost": lost, "holds": most < ALL or lost <= SMOOTH_LOSS})
+
+
+def course(law: str, driving: str, rate: float, setup: Setup) -> Seen:
+    """A slope that falls from 1 to 0.05 so fast that the course is a step, by ``direct`` at its moments."""
+    return Seen(**stability_reference.played(law, driving, rate, setup))
+
+
+# What is asked
+
+
+def white(m: float) -> Preset:
+    return check.materials()["white"].with_parameters(m=m)
+
+
+def reflecting(kind: str, name: str, value: float) -> Preset:
+    """A material whose Fresnel term is at an end of its range, at m = 0.3."""
+    return check.materials()[kind].with_parameters(**{name: value})
+
+
+def float32_eta(eta: float) -> Preset:
+    """What a float32 socket holds of it."""
+    return reflecting("dielectric", "eta", float(np.clip(np.float64(np.float32(eta)), 0.1, 10.0)))
+
+
+def oren_nayar(kind: str, sigma: float) -> Preset:
+    return check_oren_nayar.preset(kind, sigma)
+
+
+def layered(identity: str, m: float) -> Preset:
+    """A sum or a lacquer of presets, all its facets at slope m."""
+    preset = find(identity)
+    return preset.with_parameters(**{name: m for name in preset.parameters if name == "m" or name.startswith("m_")})
+
+
+KNOWN = partial(Line, unbiased=True)
+# f of hybrid is max(f, c f_fit), beyond the model by at most its bound; fit is within 1 % of the albedo.
+HELD, FITTED = 1.0 + DEFAULT_BOUND, 1.01
+CLOSURES = (("hybrid", HELD), ("fit", FITTED), ("closure", 1.0))
+GRAZING = (*THETAS, NEAREST)
+ENDS = (
+    ("schlick", "f0", (0.0, 1.0)),
+    ("conductor", "k", (0.0, 1e-9, 1.0, 20.0)),
+    ("conductor", "n", (0.0, 1.0, 20.0)),
+    ("f82", "f82_tint", (0.0, 1.0)),
+)
+OUTSIDE = (
+    ("m", partial(white, 0.3), (1e-6, 20.0)),
+    ("eta", partial(reflecting, "dielectric", "eta", 1.5), (0.01, 100.0)),
+    ("sigma", partial(oren_nayar, "full", 0.3), (-0.1, 2.0)),
+)
+LAYERED = ("lecture/plastic", "car_paints/blue", "plastics/red_plastic")
+NEAR, FAR = (0.0, 1e2, 1e3, 1e4, 1e5), (1e4, 1e5, 1e6)
+
+TABLE: tuple[Line, ...] = (
+    KNOWN("slope", "m, mirror", SLOPES, partial(facets, white)),
+    *(Line("slope", f"m, {e}", NATIVE_SLOPES, partial(sky, e, white), most) for e, most in CLOSURES),
+    *(
+        Line("grazing", f"theta_o, mirror, m = {m:g}", GRAZING, partial(grazing_view, "mirror", m), quick=m != 0.3)
+        for m in (1e-3, 0.3, 10.0)
+    ),
+    *(
+        Line(
+            "grazing", f"theta_i, direct, m = {m:g}", GRAZING, partial(grazing_light, "direct", m), None, quick=m != 0.3
+        )
+        for m in (1e-3, 0.3, 10.0)
+    ),
+    *(
+        Line("grazing", f"theta_i, {e}, m = 0.3", GRAZING, partial(grazing_light, e, 0.3), None)
+        for e in ("closure", "fit", "corrected")
+    ),
+    *(
+        KNOWN(
+            "fresnel",
+            f"{name}, {kind}",
+            values,
+            partial(facets, partial(reflecting, kind, name)),
+            quick=name in {"f0", "k"},
+        )
+        for kind, name, values in ENDS
+    ),
+    KNOWN("fresnel", "eta, dielectric", ETAS, partial(facets, float32_eta)),
+    *(KNOWN("oren_nayar", f"sigma, {k}, mirror", SIGMAS, partial(diffuse, k)) for k in KINDS),
+    *(
+        Line("oren_nayar", f"sigma, {k}, {e}", SIGMAS, partial(sky, e, partial(oren_nayar, k)), most, quick=k == "full")
+        for k in KINDS
+        for e, most in CLOSURES
+    ),
+    *(
+        KNOWN(
+            "glass",
+            f"eta, mirror, m = {m:g}, {side}",
+            ETAS,
+            partial(glass, side == "inside", m),
+            quick=m in {1e-4, 10.0},
+        )
+        for side in SIDES
+        for m in (1e-4, 0.1, 1.0, 10.0)
+    ),
+    *(
+        Line("glass", f"eta, closure, m = 0.1, {side}", ETAS, partial(native_glass, side == "inside", 0.1))
+        for side in SIDES
+    ),
+    *(
+        Line(
+            "layers",
+            f"m, {identity}, {e}",
+            (1e-4, 1.0),
+            partial(sky, e, partial(layered, identity)),
+            FITTED,
+            quick=identity != LAYERED[-1],
+        )
+        for identity in LAYERED
+        for e in ("mirror", "fit")
+    ),
+    *(Line("range", name, values, partial(out_of_range, name, of), None, -np.inf) for name, of, values in OUTSIDE),
+    KNOWN("origin", "orthographic", tuple(Shot(where=d) for d in NEAR), picture),
+    KNOWN("origin", "orthographic, aperture opened", tuple(Shot(where=d, opened=True) for d in FAR), picture),
+    KNOWN("origin", "perspective", tuple(Shot("PERSP", d) for d in (0.0, *FAR)), picture),
+    KNOWN("origin", "camera far away, orthographic", (Shot(distance=1e3), Shot(distance=1e5)), picture),
+    KNOWN("origin", "camera far away, aperture opened", (Shot(distance=1e5, opened=True),), picture),
+    KNOWN("scale", "orthographic", tuple(Shot(scale=s) for s in (1e-4, 1e-2, 1e2, 1e5)), picture),
+    KNOWN("scale", "perspective", tuple(Shot("PERSP", scale=s) for s in (1e-4, 1e5)), picture),
+    KNOWN("filter", "orthographic", tuple(Shot(where=10.0, filter_width=w) for w in (0.01, 0.1, 1.5)), picture),
+    KNOWN("filter", "perspective", tuple(Shot("PERSP", 10.0, filter_width=w) for w in (0.01, 1.5)), picture),
+    KNOWN("filter", "orthographic, aperture opened", (Shot(where=10.0, filter_width=0.01, opened=True),), picture),
+    *(
+        KNOWN("motion", "of object and camera", tuple(Shot(c, 10.0, moving=m) for m in ("object", "camera")), picture)
+        for c in ("ORTHO", "PERSP")
+    ),
+    KNOWN("motion", "far from the origin", (Shot(where=1e4, moving="object"),), picture),
+    KNOWN("instances", "of a collection", (Shot(copy=0), Shot(where=1e4, copy=0, opened=True)), copies),
+    *(Line("bounces", f"at most, {e}", (0, 4, 64, ALL), partial(bounces, e), HELD) for e in ("mirror", "hybrid")),
+    Line("bounces", "at most, smooth glass", (4, 64, ALL), inside_glass),
+    *(
+        Line("course", f"rate, {law} by {driving}", (1.0, 1e3, 1e6, 1e8), partial(course, law, driving), None)
+        for law in ("exponential", "logistic")
+        for driving in DRIVINGS
+    ),
+    *(Line("reference", what, values, look, most, setups=()) for what, values, look, most in stability_reference.ROWS),
+)
+
+
+# Cells
 
 
 def cells(*, quick: bool) -> list[Cell]:
-    del quick
-    return []
+    """One for each group of the table; a quick report has the ends of each line, in one setup."""
+    groups = dict.fromkeys(line.group for line in TABLE)
+    return [Cell(f"stability/{group}", partial(_measured, group, quick)) for group in groups]
+
+
+def cases(group: str, *, quick: bool) -> list[tuple[Line, Any, Setup | None]]:
+    """Line, value and setup of each case of a group."""
+    found: list[tuple[Line, Any, Setup | None]] = []
+    for line in TABLE:
+        if line.group == group and (line.quick or not quick):
+            values = line.values if not quick or len(line.values) <= FEW else (line.values[0], line.values[-1])
+            setups: tuple[Setup | None, ...] = line.setups[: 1 if quick else None] or (None,)
+            found += [(line, value, setup) for setup in setups for value in values]
+    return found
+
+
+def _measured(group: str, quick: bool, _folder: Path) -> dict[str, Any]:  # noqa: FBT001 - bound in ``cells``
+    found = [judged(*case) for case in cases(group, quick=quick)]
+    return {"cases": found, "passed": all(case["passed"] for case in found)}
+
+
+def judged(line: Line, value: Any, setup: Setup | None) -> dict[str, Any]:
+    """A case as a cell holds it."""
+    seen = line.look(value, setup) if setup else line.look(value, SETUPS[0])
+    image = seen.image
+    finite = bool(np.isfinite(image).all())
+    lowest = float(np.min(image)) if finite else None
+    highest, doubt = _highest(seen) if finite else (None, 0.0)
+    z, resolved, unbiased = _unbiased(seen.row) if line.unbiased and seen.row and finite else (None, None, True)
+    least = lowest is not None and lowest >= line.least
+    most = line.most is None or (highest is not None and highest - doubt <= line.most * (1.0 + ROUNDING))
+    as_asked = bool(seen.limit) or (most and unbiased)
+    found = {"what": line.what, "value": _plain(value), "setup": str(setup) if setup else "NumPy", "finite": finite}
+    found |= {"lowest": lowest, "highest": highest, "z": z, "resolves": resolved, "limit": seen.limit}
+    if setup and isinstance(value, float):
+        found["held"] = float(np.float32(value))
+    return found | {"passed": bool(least and as_asked and seen.more.get("holds", True))} | seen.more
+
+
+def _plain(value: Any) -> Any:
+    """A shot by what of it is not as usual."""
+    if not isinstance(value, Shot):
+        return float(value) if isinstance(value, float) else value
+    usual = Shot()
+    return {name: kept for name, kept in vars(value).items() if kept != getattr(usual, name)}
+
+
+def _highest(seen: Seen) -> tuple[float, float]:
+    """The largest value, or mean of a row whose pixels see alike; and what noise may have added to that."""
+    if not seen.alike:
+        return float(np.max(seen.image)), 0.0
+    means = seen.image.mean(axis=1)
+    errors = seen.image.std(axis=1, ddof=1) / seen.image.shape[1] ** 0.5
+    at = np.unravel_index(int(np.argmax(means)), means.shape)
+    return float(means[at]), check.limit(NOISY * means.size) * float(errors[at])
+
+
+def _unbiased(row: Row) -> tuple[float, float, bool]:
+    """Z of the common factor, how far off it would be seen, and whether all that is tested is as by chance."""
+    try:
+        z, resolved = row.scale_z, row.resolves * check.limit(NOISY) / check.limit(check.NOISY_ROWS)
+    except ZeroDivisionError:  # no pixel carries noise: each is judged by its rounding
+        z, resolved = 0.0, ROUNDING
+    enough = all(check.share_within(view.z) >= row.bar for view in row.views)
+    spread = max(check.spread_z(view.z) for view in row.views)
+    by_chance = enough and abs(z) <= check.limit(NOISY) and spread <= check.limit(NOISY * len(row.views))
+    return z, resolved, by_chance

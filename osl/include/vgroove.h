@@ -103,10 +103,12 @@ void tangents(vector n, output vector T, output vector B)
     B = cross(n, T);
 }
 
-// Random numbers from the position, which every sample and bounce moves; one hash stream a number
+// Random numbers from position, place on the triangle and direction, of which every sample and bounce moves some; one
+// hash stream a number
 float random_number(float stream)
 {
-    return noise("hash", P, stream + noise("hash", I));
+    float w = noise("hash", point(1 - u - v, u, 0), noise("hash", I, stream));
+    return noise("hash", P, w);
 }
 
 // A facet by D(h) (n.h), swapped for its dual across the groove where the view rather sees that. Heitz & d'Eon 2014

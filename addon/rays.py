@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How many rays of one pixel differ from each other: it is from these alone that random numbers are hashed.
+
+Cycles rounds where a ray starts to float32 in world space, that is to 2^-24 of the distance from the origin, and its
+direction to 2^-24. Orthographic rays all have one direction; far from the origin, or between samples that the pixel
+filter keeps close together, few of them differ. M different rays give a picture the noise of M samples: to the
+variance v / N of N samples comes v / M, which is the same for every seed. A lens that has an aperture gives each ray a
+direction of its own.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from bpy.types import Camera, Object, Scene
+    from mathutils import Vector
+    from numpy.typing import NDArray
+
+MOST = 4096  # of the rays that are looked at
+APERTURE = 2.0**-14  # radius over focal distance: blurs by 1/16 of a pixel what is 1024 pixels out of focus
+
+
+def different_rays(scene: Scene, samples: int) -> int:
+    """How many of ``samples`` rays in the middle of the picture differ, of up to ``MOST``; at least 1.
+
+    Of panoramic cameras and those that a shader drives nothing is known, and all count as different.
+    """
+    count = min(samples, MOST)
+    if scene.camera is None or scene.camera.type != "CAMERA" or scene.camera.data.type not in {"ORTHO", "PERSP"}:
+        return count
+    # Random numbers would meet each other by chance; these lie evenly, so that what falls together was rounded so.
+    x, y, u, v = ((0.5 + np.outer([*_EVEN], np.arange(count))) % 1.0).astype(np.float32)
+    rows = np.concatenate(_rays(scene, scene.camera, x, y, u, v), axis=-1)
+    return len(np.unique(rows.view(np.uint32).astype(np.uint64) @ _MIX))
+
+
+# Powers of the root of t^5 = t + 1, the generalised golden ratio in four dimensions
+_EVEN = 1.1673039782614187 ** -np.arange(1.0, 5.0)
+_MIX = np.random.default_rng(1).integers(0, 2**63, 6, dtype=np.uint64) | np.uint64(1)  # one number for six
+
+
+def _rays(
+    scene: Scene, item: Object, x: NDArray[np.float32], y: NDArray[np.float32], u: NDArray[np.float32],
+    v: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
+    """Starts and directions (N, 3) in world space, rounded as Cycles does; x, y in 0..1 over what a pixel filters."""
+    camera, frame = item.data, item.data.view_frame(scene=scene)
+    width = filter_width(scene)
+    middle, across, up = _pixel(scene, frame)
+    at = middle + width * (np.outer(x - 0.5, across) + np.outer(y - 0.5, up))
+    ahead = np.array([0.0, 0.0, -1.0])
+    start, way = (at * [1, 1, 0], ahead) if camera.type == "ORTHO" else (0.0 * at, at)
+    if radius := aperture(camera):
+        focus = focal_distance(item)
+        lens = radius * np.sqrt(u)[:, None] * np.stack([np.cos(6.28 * v), np.sin(6.28 * v), 0.0 * v], axis=-1)
+        start, way = start + lens, way * (focus / -np.broadcast_to(way, at.shape)[:, 2:]) - lens
+    matrix = np.array(item.matrix_world.normalized(), dtype=np.float32)
+    turned = np.broadcast_to(way, at.shape).astype(np.float32) @ matrix[:3, :3].T
+    direction = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+    return start.astype(np.float32) @ matrix[:3, :3].T + matrix[:3, 3], direction.astype(np.float32)
+
+
+def _pixel(scene: Scene, frame: tuple[Vector, ...]) -> tuple[NDArray[np.float64], ...]:
+    """The middle of the picture and the edges of a pixel there, in camera space."""
+    top_right, _, bottom_left, top_left = (np.array(corner) for corner in frame)
+    render = scene.render
+    scale = render.resolution_percentage / 100.0
+    across = (top_right - top_left) / max(1.0, render.resolution_x * scale)
+    up = (top_left - bottom_left) / max(1.0, render.resolution_y * scale)
+    return (top_right + bottom_left) / 2.0, across, up
+
+
+def filter_width(scene: Scene) -> float:
+    """Over how many pixels samples spread."""
+    return 1.0 if scene.cycles.pixel_filter_type == "BOX" else float(scene.cycles.filter_width)
+
+
+def aperture(camera: Camera) -> float:
+    """The radius of the lens in metres; 0 of a pinhole."""
+    if not camera.dof.use_dof:
+        return 0.0
+    opening = 1.0 if camera.type == "ORTHO" else camera.lens * 1e-3
+    return float(opening / (2.0 * max(camera.dof.aperture_fstop, 1e-5)))
+
+
+def focal_distance(item: Object) -> float:
+    """How far ahead of a camera what it has in focus is."""
+    dof = item.data.dof
+    if dof.focus_object is None:
+        return max(float(dof.focus_distance), 1e-5)
+    sight = item.matrix_world.inverted() @ dof.focus_object.matrix_world.translation
+    return max(abs(float(sight.z)), 1e-5)
+
+
+def open_aperture(scene: Scene) -> None:
+    """Give an orthographic camera so small an aperture that the picture stays sharp and every ray differs."""
+    item, dof = scene.camera, scene.camera.data.dof
+    if not dof.use_dof and dof.focus_object is None:
+        dof.focus_distance = _middle(scene, item)
+    dof.use_dof = True
+    dof.aperture_fstop = 1.0 / (2.0 * APERTURE * focal_distance(item))
+
+
+def _middle(scene: Scene, item: Object) -> float:
+    """How far ahead of the camera the nearest surface in the middle of the picture is; else what the objects are."""
+    back = item.matrix_world.to_quaternion()
+    ahead = back @ type(item.location)((0.0, 0.0, -1.0))
+    graph = scene.view_layers[0].depsgraph
+    graph.update()
+    hit, place, *_ = scene.ray_cast(graph, item.matrix_world.translation, ahead)
+    if hit:
+        return float((place - item.matrix_world.translation).length)
+    inverse = item.matrix_world.inverted()
+    depths = [-(inverse @ one.matrix_world.translation).z for one in scene.objects if one.type == "MESH"]
+    return float(np.median([d for d in depths if d > 0.0] or [item.data.dof.focus_distance]))

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of a white plane under a white sky, far from the origin, huge and tiny, in many copies and in motion.
+
+Every pixel of them should be the directional albedo, with the noise of its samples and no more. A pixel is 1/256 of the
+scale, as of a thing of that size that fills half of a picture 512 wide.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING, Literal
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ... import nodegroups
+from ...nodegroups import random_numbers
+from .. import gonio, headless, rays, scene
+from ..check import Row, Setup, View, materials
+from ..material import Choice, build
+from ..reference import albedo
+from ..reference.quadrature import vgroove_albedo
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from bpy.types import Material, Object, Scene
+    from numpy.typing import NDArray
+
+    from ..presets import Preset
+
+SIZE, SAMPLES = 32, 64
+PIXEL = 1.0 / 256.0
+NUMBERS = 64  # rays across one pixel, whose random numbers are counted
+SLOPE = 0.6
+COPIES, APART = 64, 16.0  # instances in a row, and how far apart in units of the scale
+# Toward the camera, 60 degrees from the plane's normal and along no axis, so that all three coordinates round
+VIEW = Vector((0.75, 0.4330127018922193, 0.5))
+
+
+@dataclass(frozen=True)
+class Shot:
+    """How a plane is seen. Metres.
+
+    where: on each of the three axes. filter_width: in pixels; 0 for a box of one. distance: of the camera, in units of
+    ``scale``. opened: with ``rays.open_aperture``. copy: which of many instances of one collection, all in one frame,
+    is in the middle.
+    """
+
+    camera: Literal["ORTHO", "PERSP"] = "ORTHO"
+    where: float = 0.0
+    scale: float = 1.0
+    filter_width: float = 0.0
+    distance: float = 100.0
+    opened: bool = False
+    moving: Literal["", "object", "camera"] = ""
+    copy: int | None = None
+
+
+@dataclass(frozen=True)
+class Photo:
+    """What a shot gave: the plane's picture, as a row of ``check``, and what is told of its rays."""
+
+    row: Row
+    noise: float  # root mean square of what pixels are off by, over what their samples explain
+    numbers: int  # that differ, of NUMBERS^2 rays across one pixel
+    rays: int  # the same as ``rays`` foresees it
+    warned: str  # what the panel says
+
+
+def photo(shot: Shot, setup: Setup) -> Photo:
+    """The plane by ``mirror``, and the random numbers of one pixel."""
+    fresnel = materials()["white"].with_parameters(m=SLOPE)
+    with _shown(shot, setup, lambda: build(fresnel, Choice(setup.backend, "mirror"))) as shown:
+        shown.cycles.samples = NUMBERS**2
+        foreseen = rays.different_rays(shown, NUMBERS**2)
+        warned = [problem.text for problem in scene.problems(shown, setup.backend, "mirror") if problem.key == "rays"]
+        shown.cycles.samples = SAMPLES
+        with headless.quiet():
+            image = gonio.rendered(shown).astype(np.float64)
+    mean, square = moments()
+    variance = np.full(image.shape, (square - mean**2) / SAMPLES)
+    row = Row("picture", setup, "white", SLOPE)
+    row.views.append(View(gonio.Geometry(), image, np.full(image.shape, mean), variance=variance))
+    noise = float(np.sqrt(np.mean(np.square(image - mean)) / variance[0, 0, 0]))
+    return Photo(row, noise, numbers(shot), foreseen, " ".join(warned))
+
+
+@cache
+def moments() -> tuple[float, float]:
+    """Mean and mean square of what one sample of the plane is worth."""
+    model = materials()["white"].with_parameters(m=SLOPE).reference()
+    wo = np.array([[np.hypot(VIEW.x, VIEW.y), 0.0, VIEW.z]])
+    white = materials()["white"].reference_fresnel()
+    return float(albedo(model, wo)[0, 0]), float(vgroove_albedo(wo, SLOPE, white, moment=2)[0, 0])
+
+
+def numbers(shot: Shot) -> int:
+    """How many random numbers of NUMBERS^2 rays across one pixel differ: a picture of the numbers themselves."""
+    nodes = Setup("nodes", shading_osl=False)
+    with _shown(shot, nodes, _numbers_material, across=1) as shown:
+        shown.cycles.samples = 1
+        shown.render.resolution_x = shown.render.resolution_y = NUMBERS
+        with headless.quiet():
+            image = gonio.rendered(shown)
+    return len(np.unique(image.reshape(-1, 3), axis=0))
+
+
+def _numbers_material() -> Material:
+    made = bpy.data.materials.new("VGroove gonio")
+    if bpy.app.version < (5, 0, 0):  # as in material.py; goes with 4.5 LTS
+        made.use_nodes = True
+    tree = made.node_tree
+    tree.nodes.clear()
+    group, emission, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "Emission", "OutputMaterial"))
+    group.node_tree = nodegroups.ensure(random_numbers.NAME, random_numbers.REVISION, random_numbers.build)
+    tree.links.new(group.outputs[0], emission.inputs["Color"])
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    made.cycles.emission_sampling = "NONE"
+    return made
+
+
+@contextmanager
+def _shown(shot: Shot, setup: Setup, make: Callable[[], Material], across: int = SIZE) -> Iterator[Scene]:
+    """The scene of a shot, of ``across`` pixels; what one pixel sees may be rendered in more."""
+    groups = set(bpy.data.collections)
+    with gonio.stage((SIZE, SIZE), samples=SAMPLES, seed=0, shading_osl=setup.shading_osl) as shown:
+        gonio.light(shown, gonio.Geometry(furnace=True))
+        _planes(shown, shot, make())
+        _camera(shown, shot, across)
+        cycles, width = shown.cycles, shot.filter_width
+        cycles.pixel_filter_type = "BLACKMAN_HARRIS" if width and across > 1 else "BOX"
+        cycles.filter_width = width or 1.5
+        shown.view_layers[0].update()
+        if shot.moving:
+            _move(shown, shown.camera if shot.moving == "camera" else shown.objects["Plane"], shot)
+        if shot.opened:
+            rays.open_aperture(shown)
+        yield shown
+    for group in set(bpy.data.collections) - groups:
+        bpy.data.collections.remove(group)
+
+
+def _planes(shown: Scene, shot: Shot, material: Material) -> None:
+    mesh = bpy.data.meshes.new("VGroove gonio")
+    mesh.from_pydata([(-4, -3, 0), (4, -3, 0), (0, 5, 0)], [], [(0, 1, 2)])
+    mesh.materials.append(material)
+    if shot.copy is None:
+        shown.collection.objects.link(_placed(shot, bpy.data.objects.new("Plane", mesh)))
+        return
+    group = bpy.data.collections.new("VGroove gonio")
+    group.objects.link(bpy.data.objects.new("VGroove gonio", mesh))
+    for index in range(COPIES):
+        one = bpy.data.objects.new("Plane", None)
+        one.instance_type, one.instance_collection = "COLLECTION", group
+        _placed(shot, one).location.x += APART * shot.scale * index
+        shown.collection.objects.link(one)
+
+
+def _placed(shot: Shot, item: Object) -> Object:
+    item.location, item.scale = [shot.where] * 3, [shot.scale] * 3
+    return item
+
+
+def _camera(shown: Scene, shot: Shot, across: int) -> None:
+    camera = bpy.data.cameras.new("VGroove gonio")
+    item = bpy.data.objects.new("VGroove gonio", camera)
+    distance = shot.distance * shot.scale
+    item.location = Vector([shot.where] * 3) + VIEW.normalized() * distance
+    item.location.x += APART * shot.scale * (shot.copy or 0)
+    item.rotation_euler = VIEW.to_track_quat("Z", "Y").to_euler()
+    seen = across * PIXEL * shot.scale * (shot.filter_width if shot.filter_width and across == 1 else 1.0)
+    camera.clip_start, camera.clip_end = 1e-3 * distance, 2.0 * distance
+    camera.type = shot.camera
+    if shot.camera == "ORTHO":
+        camera.ortho_scale = seen
+    else:
+        camera.lens = camera.sensor_width * distance / seen
+    shown.collection.objects.link(item)
+    shown.camera = item
+
+
+def _move(shown: Scene, item: Object, shot: Shot) -> None:
+    """While the shutter is open, by a tenth of the scale within the plane."""
+    shown.render.use_motion_blur = True
+    for frame, step in ((-1, -0.2), (1, 0.2)):
+        item.location.x += step * shot.scale
+        item.keyframe_insert("location", frame=shown.frame_current + frame)
+        item.location.x -= step * shot.scale
+    shown.frame_set(shown.frame_current)
+
+
+def other_copy(shot: Shot) -> Shot:
+    """The same instance at the row's other end."""
+    return replace(shot, copy=COPIES - 1)
+
+
+def heap(preset: Preset, estimator: str, bounces: int, setup: Setup, *, balls: int = 9) -> NDArray[np.float64]:
+    """Balls close together under a white sky, of which light returns after up to ``bounces``."""
+    with gonio.stage((SIZE, SIZE), samples=SAMPLES, seed=0, shading_osl=setup.shading_osl) as shown:
+        gonio.light(shown, gonio.Geometry(furnace=True))
+        cycles, side = shown.cycles, round(balls**0.5)
+        cycles.pixel_filter_type = "BOX"
+        for kind in ("max", "diffuse", "glossy", "transmission"):
+            setattr(cycles, f"{kind}_bounces", bounces)
+        mesh = scene.ball_mesh(32, 16)
+        mesh.shade_flat()  # a smooth normal apart from the surface's own would lose light
+        mesh.materials.append(build(preset, Choice(setup.backend, estimator)))
+        for index in range(balls):
+            item = bpy.data.objects.new("Ball", mesh)
+            item.location = (2.02 * (index % side - (side - 1) / 2), 2.02 * (index // side - (side - 1) / 2), 0.0)
+            shown.collection.objects.link(item)
+        _camera(shown, Shot(scale=2.2 * side / (PIXEL * SIZE)), SIZE)
+        with headless.quiet():
+            return gonio.rendered(shown).astype(np.float64)
