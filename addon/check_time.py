@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 
     from .reference import Keyframes, Model
 
-MOMENTS = 20  # of a course
+MOMENTS, FURNACE_MOMENTS = 20, 8  # of a course; what hybrid sends back takes a reference a second or more a moment
 # theta_i and window, in turn: each takes all parameters of its moments, and building a course takes longer than a view
 WAYS = ((20.0, 0.0), (45.0, check.WINDOW), (70.0, 0.0), (85.0, check.WINDOW))
 FRAMES, MOST_FRAMES = 240.0, 1e6  # a course is played in at least so many; Blender ends at 1048574
 APART = 0.01  # frames between keys, at least: ten times CLOSEST
-FURNACE, FURNACE_SAMPLES = gonio.Geometry(furnace=True, resolution=(64, 8)), 32
+FURNACE, FURNACE_SAMPLES = gonio.Geometry(furnace=True, resolution=(64, 8)), 128
 TOGETHER = 8  # pixels of a row of the furnace; samples by a power of two, over which alone Cycles' sequence is balanced
 GRIDS = (20, 30)  # nodes of two quadratures; they part by as much as the finer is known
 NOISY_ROWS = 4  # of the plan; a test holds it to the plan
@@ -53,11 +53,11 @@ def play_of(preset: Preset, driving: str) -> Play:
     return Play(driving, 1.0, min(max(FRAMES, np.ceil(APART / nearest)), MOST_FRAMES))
 
 
-def moments(preset: Preset, play: Play) -> list[float]:
+def moments(preset: Preset, play: Play, count: int = MOMENTS) -> list[float]:
     """Frames of the course's two ends, and midway between keys, taken evenly from those of all parameters."""
     ages = np.unique(np.concatenate([of.times for of in _keys(preset.id).values()]))
     middle = 0.5 * (ages[:-1] + ages[1:])
-    chosen = middle[np.linspace(0, middle.size - 1, MOMENTS - 2).round().astype(int)]
+    chosen = middle[np.linspace(0, middle.size - 1, count - 2).round().astype(int)]
     frames = play.start + np.concatenate([[0.0], chosen, [1.0]]) * play.length
     return frames.astype(np.float32).astype(float).tolist()  # as Blender holds a frame
 
@@ -95,7 +95,7 @@ def hybrid_row(setup: Setup, driving: str, name: str) -> Row:
     """``hybrid`` under a white sky, at each moment: the directional albedo of what it renders."""
     preset = find(name)
     play = play_of(preset, driving)
-    frames = moments(preset, play)
+    frames = moments(preset, play, FURNACE_MOMENTS)
     with headless.quiet():
         images = gonio.measure_course(
             preset, setup.backend, "hybrid", FURNACE, play, frames,

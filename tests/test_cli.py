@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vgroove.addon import cli
 from vgroove.addon.reference import CookTorrance, Schlick, albedo
 
 
@@ -51,7 +52,6 @@ def test_presets_as_json_hold_the_contract():
         (["render", "copper", "-o", "a.png", "--assign", "Ball=copper"], "--assign goes with a SCENE.blend"),
         (["render", "copper", "-o", "a.png", "--estimator", "magic"], "--estimator"),
         (["render", "none.blend", "-o", "a.png"], "none.blend: no such scene"),
-        (["render", "broken.blend", "-o", "a.png"], "broken.blend: cannot be opened as a .blend"),
         (["measure", "copper", "-o", "a.exr"], "give either --theta-i DEG or --furnace"),
         (["measure", "copper", "--theta-i", "95", "-o", "a.exr"], "--theta-i"),
         (["measure", "copper", "--theta-i", "5", "-o", "a.png"], "measurements are EXR files"),
@@ -83,18 +83,31 @@ def test_presets_as_json_hold_the_contract():
     ],
     ids=lambda value: "_".join(value)[:40] if isinstance(value, list) else "",
 )
-def test_bad_input_is_one_line_and_exit_2(tmp_path, arguments, message):
-    """What, where, how to mend it; nothing on standard output, nothing written."""
-    (tmp_path / "broken.blend").write_bytes(b"this is no blend file")
-    before = sorted(tmp_path.iterdir())
-    done = vgroove(*arguments, cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stdout == ""
-    lines = done.stderr.strip().splitlines()
+def test_bad_input_is_one_line_and_exit_2(tmp_path, monkeypatch, capfd, arguments, message):
+    """What, where, how to mend it; nothing on standard output, nothing written. In one process, which starts but once."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["vgroove", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == 2
+    said = capfd.readouterr()
+    assert said.out == ""
+    lines = said.err.strip().splitlines()
     assert len(lines) == 1
     assert lines[0].startswith("vgroove: ")
     assert message in lines[0]
-    assert sorted(tmp_path.iterdir()) == before
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_broken_scene_is_one_line_and_exit_2(tmp_path):
+    """What Blender itself says of it is not heard."""
+    path = tmp_path / "broken.blend"
+    path.write_bytes(b"this is no blend file")
+    done = vgroove("render", path, "-o", tmp_path / "a.png")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert done.stderr.startswith(f"vgroove: {path}: cannot be opened as a .blend")
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def read_exr(path):
