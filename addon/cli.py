@@ -402,7 +402,10 @@ def explain(
             if line.kept == kept:
                 table.add_row(line.what, line.why)
         out.print(table)
-    table = Table("", "as built", "universal", caption="universal: one material that could show any preset")
+    caption = "universal: one material whose inputs show any preset, but for absorption"
+    if backend == Backend.NODES and not universal.fits():
+        caption += "; does not fit in this Blender"
+    table = Table("", "as built", "universal", caption=caption)
     for what, label in (("nodes", "nodes"), ("instructions", "OSL instructions")):
         if size["universal"][what]:
             table.add_row(label, *(str(of[what]) for of in size.values()))
@@ -613,10 +616,15 @@ def report(
     ] = None,
     compare: Annotated[
         tuple[Path, Path] | None,
-        typer.Option(metavar="A.json B.json", help="Say what is better or worse in B. Exits 1 if anything is worse"),
+        typer.Option(
+            metavar="A.json B.json", help="Say what is better or worse in B. Exits 1 if anything is worse or gone"
+        ),
     ] = None,
 ) -> None:
-    """Measure error against run time, stability, and what was left out; draw plots and a page. Resumes."""
+    """Measure error against run time, stability, and what was left out; draw plots and a page. Resumes.
+
+    Exits 1 if a full report does not show what it must.
+    """
     if compare is not None:
         if output or source or quick:
             message = "--compare reads two reports and writes none; leave -o, --from and --quick out"
@@ -656,10 +664,10 @@ def report(
 
 
 def _draw(source: Path, folder: Path) -> None:
-    """The plots, page and text of a report.json."""
-    from .report import draw, record
+    """The plots, page and text of a report.json; exits 1 if a claim does not hold, in full, not by a quick one."""
+    from .report import claims, draw, findings, record, summary
 
-    content = record.read(source)
+    content, found = record.read(source), findings.read(source)
     pictures = None
     if importlib.util.find_spec("bpy"):
         _with_blender()
@@ -667,22 +675,28 @@ def _draw(source: Path, folder: Path) -> None:
     else:
         _say("bpy is not installed, so the page has no pictures")
     _make(folder / record.FILE)
-    for path in draw.draw(content, pictures, folder):
+    for path in draw.draw(found, content["machine"], pictures, folder):
         _say(f"wrote {path}")
+    broken = [(run, claim) for run in found for claim in claims.of(run) if not claim.holds]
+    for run, claim in broken:
+        _say(f"{summary.title(run)}: {claim.text}")
+    if not all(run.quick for run, _ in broken):
+        raise typer.Exit(1)
 
 
 def _compare(before: Path, after: Path) -> None:
-    from .report import compare, record
+    from .report import compare, findings
 
-    found, count = compare.changes(record.read(before), record.read(after))
+    found, count = compare.changes(findings.read(before), findings.read(after))
+    verdicts = {True: "WORSE", False: "better", None: "new"}
     table = Table("Blender", "where", "what", "figure", "before", "after", "")
     for one in found:
         words = [one.blender, one.where, one.who, one.what, one.before, one.after]
-        table.add_row(*(escape(word) for word in words), "WORSE" if one.worse else "better")
+        table.add_row(*(escape(word) for word in words), verdicts[one.worse])
     if found:
         out.print(table)
-    worse = sum(one.worse for one in found)
-    out.print(f"{worse} worse, {len(found) - worse} better, of {count} figures that both have", highlight=False)
+    worse, better = (sum(one.worse is verdict for one in found) for verdict in (True, False))
+    out.print(f"{worse} worse, {better} better, of {count} figures that both have", highlight=False)
     if worse:
         raise typer.Exit(1)
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from vgroove.addon.report import accuracy, contenders, scenes, statistics
+from vgroove.addon.report import accuracy, contenders, findings, scenes, statistics
 
 RNG = np.random.default_rng(7)
 PIXELS = 200
@@ -46,7 +46,7 @@ def test_every_subject_has_a_peer_and_every_model_a_subject():
     assert {preset.model for preset in subjects.values()} >= {"cook_torrance", "oren_nayar", "sum", "glass"}
     assert all(list(contenders.peers(preset)) for preset in subjects.values())
     assert {of for _, of in accuracy.PAIRS} == set(subjects)
-    assert {name for name, _ in accuracy.PAIRS} == set(scenes.SCENES)
+    assert {name for name, _ in accuracy.PAIRS} == set(findings.SCENES)
 
 
 @pytest.mark.blender
@@ -66,7 +66,7 @@ def test_a_furnace_finds_mirror_without_bias_and_closure_with_its_own(tmp_path, 
 
 
 @pytest.mark.blender
-@pytest.mark.parametrize("name", scenes.SCENES)
+@pytest.mark.parametrize("name", findings.SCENES)
 def test_each_scene_shows_its_ball_where_it_is_judged(name, blender):
     """A material that glows is seen in every judged pixel, and beside the ball in none that is not near it."""
     from vgroove.addon import gonio, headless

@@ -5,27 +5,30 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from . import findings, page, plots, summary
+from . import page, plots, summary
 from .record import ReportError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
+
+    from .findings import Run
 
 PLOTS = "plots"
 
 
-def draw(content: dict[str, Any], pictures: Path | None, folder: Path) -> list[Path]:
+def draw(runs: list[Run], machine: Mapping[str, Any], pictures: Path | None, folder: Path) -> list[Path]:
     """Write report.html, report.md and plots/ to ``folder``; what was written.
 
     pictures: where the pictures that the report names are; None for a page without them. ReportError if there is
     nothing to draw.
     """
-    found = [run for run in findings.runs(content) if run.contests or run.cases or run.left_out]
+    found = [run for run in runs if run.contests or run.cases or run.left_out]
     if not found:
         message = "the report holds no measurements yet; give `vgroove report -o DIR` more time"
         raise ReportError(message)
     (folder / PLOTS).mkdir(parents=True, exist_ok=True)
     figures = {run.blender: plots.draw(run, folder / PLOTS) for run in found}
-    page.write(folder / page.FILE, found, content["machine"], figures, folder / PLOTS, pictures)
-    summary.write(folder / summary.FILE, found, content["machine"], figures)
+    page.write(folder / page.FILE, found, machine, figures, folder / PLOTS, pictures)
+    summary.write(folder / summary.FILE, found, machine, figures)
     return [folder / page.FILE, folder / summary.FILE, folder / PLOTS]

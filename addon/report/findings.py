@@ -14,15 +14,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import record
 from .record import ReportError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
 TARGETS = (0.02, 0.01)  # errors, the time to which is told
 SLOPE_RANGE = (2**6, 2**12)  # samples
+SCENES = {  # of ``scenes.stage``, as they are called
+    "furnace": "white furnace",
+    "environment": "environment map",
+    "softbox": "softbox",
+    "sun": "half-degree sun",
+    "checker": "checkered floor",
+}
+INDEPENDENT = ("furnace", "softbox")  # whose truth ``mirror`` has no part in: the reference's, and a lamp by ``direct``
 TOLD = 3.0  # standard errors by which a bias must exceed 0 to be told from it
 CLOSE = 1.1  # Automatic's error over the winner's that still counts as good a choice
 NUMBERS = ("rmse", "bias2", "bias2_error", "noise", "wall", "cpu")  # of a contender, one a sample count
@@ -31,17 +41,18 @@ AGAINST = ("closure", "mirror")  # what a winner is held against
 
 @dataclass(frozen=True)
 class Slope:
-    """Of log noise over log samples, and its standard error; -1/2 for independent samples."""
+    """Of log noise over log samples; -1/2 for independent samples. error: its standard error, None of two counts."""
 
     value: float
-    error: float
+    error: float | None
 
 
 @dataclass(frozen=True)
 class Reached:
-    """The time to an error. seconds: None if it is not reached; limit: "floor" or "time", what it then is, or else "".
+    """The time to an error. seconds: None if it is not reached; limit: what it then is, "floor", "time" or "noise".
 
-    within: reached by the first render already, in so many seconds or less.
+    "noise": at no sample count is the error known. within: reached by the first render already, in so many seconds or
+    less.
     """
 
     seconds: float | None
@@ -54,7 +65,9 @@ class Reached:
 class Curve:
     """One contender in one scene, an array element a sample count.
 
-    peer: "" if it is ours. bias2 is an unbiased estimate, below 0 where there is next to none.
+    peer: "" if it is ours. bias2 is an unbiased estimate, below 0 where there is next to none. cpu_spread: of the
+    seeds' times, as a share. resolved: false where no seed has met the rare events that other counts say there are, so
+    that neither noise nor bias is known.
     """
 
     name: str
@@ -70,6 +83,8 @@ class Curve:
     flip: NDArray[np.float64] | None
     wall: NDArray[np.float64]
     cpu: NDArray[np.float64]
+    cpu_spread: NDArray[np.float64]
+    resolved: NDArray[np.bool_]
 
     @property
     def competes(self) -> bool:
@@ -78,35 +93,46 @@ class Curve:
 
     @cached_property
     def slope(self) -> Slope | None:
-        """By least squares within ``SLOPE_RANGE``; None where three noisy counts are not to be had."""
+        """By least squares within ``SLOPE_RANGE``; None where two noisy counts are not to be had."""
         x, y = np.log(self.samples), np.log(np.maximum(self.noise, np.finfo(np.float64).tiny))
-        used = (self.samples >= SLOPE_RANGE[0]) & (self.samples <= SLOPE_RANGE[1]) & (self.noise > 0.0)
-        if np.count_nonzero(used) < 3:
+        used = (self.samples >= SLOPE_RANGE[0]) & (self.samples <= SLOPE_RANGE[1])
+        used &= self.resolved & (self.noise > 0.0)
+        if np.count_nonzero(used) < 2:
             return None
         x, y = x[used] - x[used].mean(), y[used]
         slope = float(x @ y / (x @ x))
+        if len(x) == 2:
+            return Slope(slope, None)
         residual = y - y.mean() - slope * x
         return Slope(slope, float(np.sqrt(residual @ residual / (len(x) - 2) / (x @ x))))
+
+    @cached_property
+    def last(self) -> int | None:
+        """The index of the most samples at which noise and bias are known."""
+        known = np.flatnonzero(self.resolved)
+        return int(known[-1]) if len(known) else None
 
     @property
     def floor(self) -> float:
         """The bias that is left at the most samples, where noise hides least of it."""
-        return float(np.sqrt(max(self.bias2[-1], 0.0)))
+        return 0.0 if self.last is None else float(np.sqrt(max(self.bias2[self.last], 0.0)))
 
     @property
     def told_at(self) -> NDArray[np.bool_]:
         """Whether the bias can be told from 0, by sample count."""
-        return self.bias2 > TOLD * self.bias2_error
+        return self.resolved & (self.bias2 > TOLD * self.bias2_error)
 
     @property
     def told(self) -> bool:
         """Whether the floor can be told from 0."""
-        return bool(self.told_at[-1])
+        return self.last is not None and bool(self.told_at[self.last])
 
     @property
     def at_most(self) -> float:
         """What the bias does not exceed, by as many standard errors as ``TOLD``."""
-        return float(np.sqrt(max(self.bias2[-1], 0.0) + TOLD * self.bias2_error[-1]))
+        if self.last is None:
+            return float("inf")
+        return float(np.sqrt(max(self.bias2[self.last], 0.0) + TOLD * self.bias2_error[self.last]))
 
     @property
     def start(self) -> float:
@@ -128,8 +154,10 @@ class Curve:
 
     def time_to(self, target: float, clock: str) -> Reached:
         """Seconds, by "wall" or "cpu", after which the error is ``target``."""
-        times = _rising(getattr(self, clock))
-        below = np.flatnonzero(self.rmse <= target)
+        if self.last is None:
+            return Reached(None, "noise")
+        times, rmse = _rising(getattr(self, clock))[self.resolved], self.rmse[self.resolved]
+        below = np.flatnonzero(rmse <= target)
         if not len(below):
             return Reached(None, "floor", self.floor) if self.told and self.floor > target else Reached(
                 None, "time", float(times[-1])
@@ -138,17 +166,19 @@ class Curve:
         if first == 0:
             return Reached(float(times[0]), within=True)
         span = slice(first - 1, first + 1)
-        x, y = np.log(_positive(self.rmse[span])), np.log(times[span])
+        x, y = np.log(_positive(rmse[span])), np.log(times[span])
         share = (np.log(target) - x[0]) / (x[1] - x[0])
         return Reached(float(np.exp(y[0] + share * (y[1] - y[0]))))
 
     def error_at(self, seconds: float) -> float:
-        """The error after so many processor seconds; infinite before the first render ends.
+        """The error after so many processor seconds; infinite where it is not known, as before the first render ends.
 
         After the last the bias stays, and the noise falls on as 1/sqrt(N).
         """
         times = _rising(self.cpu)
-        if seconds < times[0]:
+        before = int(np.searchsorted(times, seconds, side="right")) - 1
+        after = min(int(np.searchsorted(times, seconds)), len(times) - 1)
+        if before < 0 or not (self.resolved[before] and self.resolved[after]):
             return float("inf")
         if seconds > times[-1]:
             return float(np.sqrt(max(self.bias2[-1], 0.0) + self.noise[-1] ** 2 * times[-1] / seconds))
@@ -157,9 +187,12 @@ class Curve:
 
 @dataclass(frozen=True)
 class Win:
-    """Who errs least at a time; over: by how much more the others of ``AGAINST`` err then."""
+    """Who errs least at so many seconds, or samples; over: by how much more the others of ``AGAINST`` err then.
 
-    seconds: float
+    Whose error is not known neither wins nor is in ``over``.
+    """
+
+    at: float
     winner: str
     error: float
     over: dict[str, float]
@@ -200,7 +233,12 @@ class Contest:
 
     @property
     def title(self) -> str:
-        return f"{self.scene}, {self.subject}"
+        return f"{SCENES.get(self.scene, self.scene)}, {self.subject}"
+
+    @property
+    def independent(self) -> bool:
+        """Whether the truth was had without ``mirror``."""
+        return self.scene in INDEPENDENT
 
     @cached_property
     def rivals(self) -> list[Curve]:
@@ -221,57 +259,78 @@ class Contest:
         """Processor seconds from which on every rival samples for longer than it starts."""
         return max((max(2.0 * curve.start, curve.cpu[0]) for curve in self.rivals), default=0.0)
 
-    def best_at(self, seconds: float) -> tuple[str, float]:
-        return min(((curve.estimator, curve.error_at(seconds)) for curve in self.rivals), key=lambda one: one[1])
-
     @cached_property
     def wins(self) -> list[Win]:
         """At each of 1, 2, 5, 10, ... seconds and their parts that every rival was measured at."""
         if not self.rivals:
             return []
         last = min(float(np.max(curve.cpu)) for curve in self.rivals)
-        return [self._win(seconds) for seconds in _round_times(self.judged_from, last)]
+        found = [_win(seconds, self._errors_at(seconds)) for seconds in _round_times(self.judged_from, last)]
+        return [win for win in found if win]
 
-    def _win(self, seconds: float) -> Win:
-        winner, error = self.best_at(seconds)
-        others = {curve.estimator: curve.error_at(seconds) / error for curve in self.rivals if error > 0.0}
-        return Win(seconds, winner, error, {name: others[name] for name in AGAINST if name in others})
+    @cached_property
+    def even(self) -> list[Win]:
+        """At each sample count, all with as many: what can be said where starting dominates and ``wins`` is empty."""
+        counts = self.rivals[0].samples if self.rivals else ()
+        found = [_win(float(count), self._errors_of(index)) for index, count in enumerate(counts)]
+        return [win for win in found if win]
+
+    def _errors_at(self, seconds: float) -> dict[str, float]:
+        """By estimator, of those whose error is known."""
+        errors = {curve.estimator: curve.error_at(seconds) for curve in self.rivals}
+        return {name: error for name, error in errors.items() if np.isfinite(error)}
+
+    def _errors_of(self, index: int) -> dict[str, float]:
+        """As ``_errors_at``, at a sample count."""
+        return {curve.estimator: float(curve.rmse[index]) for curve in self.rivals if curve.resolved[index]}
 
     @cached_property
     def picks(self) -> list[Pick]:
-        """Automatic's choice at each sample count."""
+        """Automatic's choice at each sample count at which its error is known."""
         found = []
         by_estimator = {curve.estimator: curve for curve in self.rivals}
         for index, name in enumerate(self.picked):
-            if (own := by_estimator.get(name)) is None:
+            own = by_estimator.get(name)
+            if own is None or not own.resolved[index]:
                 continue
             seconds = float(_rising(own.cpu)[index])
             by = "time" if seconds >= self.judged_from else "samples"
-            errors = {
-                curve.estimator: curve.error_at(seconds) if by == "time" else float(curve.rmse[index])
-                for curve in self.rivals
-            } | {name: float(own.rmse[index])}
+            errors = self._errors_at(seconds) if by == "time" else self._errors_of(index)
+            errors[name] = float(own.rmse[index])
             winner = min(errors, key=lambda one: errors[one])
             ratio = errors[name] / errors[winner] if errors[winner] > 0.0 else 1.0
             found.append(Pick(int(own.samples[index]), name, winner, ratio, by))
         return found
 
 
+def _win(at: float, errors: dict[str, float]) -> Win | None:
+    if not errors:
+        return None
+    winner, error = min(errors.items(), key=lambda one: one[1])
+    over = {name: errors[name] / error for name in AGAINST if name in errors and error > 0.0}
+    return Win(at, winner, error, over)
+
+
 @dataclass(frozen=True)
 class Dropped:
-    """A thing that a material does without. time: with it, over the time without; same: the picture is."""
+    """A thing that a material does without. time: with it, over the time without; same: the picture is.
+
+    All three are None where it was not put back.
+    """
 
     what: str
-    nodes: int
-    time: float
-    same: bool
+    why: str
+    nodes: int | None
+    time: float | None
+    same: bool | None
 
 
 @dataclass(frozen=True)
 class LeftOut:
     """A material as built against the universal one. time: the universal one's over its own, and its rounds' spread.
 
-    Pairs are of the material as built and of the universal one; first: the ratio of first renders, which compile.
+    Pairs are of the material as built and of the universal one; first: the ratio of first renders, which compile;
+    memory_mb: what the material takes, beyond what Blender held before.
     """
 
     case: str
@@ -290,6 +349,11 @@ class LeftOut:
     @property
     def title(self) -> str:
         return f"{self.case}, {self.scene}, {self.backend}"
+
+    @property
+    def all_same(self) -> bool:
+        """Whether no picture differs, neither the universal material's nor one with a thing put back."""
+        return self.same and all(one.same is not False for one in self.dropped)
 
 
 @dataclass(frozen=True)
@@ -334,6 +398,16 @@ class Run:
         return [(contest, win) for contest in self.contests for win in contest.wins]
 
 
+def read(path: Path) -> list[Run]:
+    """As ``runs``, of a file, which an error names."""
+    content = record.read(path)
+    try:
+        return runs(content)
+    except ReportError as error:
+        message = f"{path}: {error}"
+        raise ReportError(message) from error
+
+
 def runs(content: dict[str, Any]) -> list[Run]:
     """Of a report.json, the newest Blender first. ReportError if a cell is not as this vgroove writes it."""
     newest = sorted(content["runs"], key=_version, reverse=True)
@@ -372,7 +446,9 @@ def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any]) -> Curv
     numbers: dict[str, Any] = {key: np.asarray(one[key], np.float64) for key in NUMBERS}
     flip = np.asarray(one["flip"], np.float64) if one.get("flip") else None
     words: dict[str, Any] = {key: one.get(key) or "" for key in ("estimator", "backend", "peer", "differs")}
-    return Curve(name, samples=samples, flip=flip, **words, **numbers)
+    spread = np.asarray(one.get("cpu_spread") or np.zeros(samples.shape), np.float64)
+    resolved = np.asarray(one.get("resolved") or np.ones(samples.shape), np.bool_)
+    return Curve(name, samples=samples, flip=flip, cpu_spread=spread, resolved=resolved, **words, **numbers)
 
 
 def _case(group: str, case: dict[str, Any]) -> Case:
@@ -396,14 +472,17 @@ def _left_out(name: str, cell: dict[str, Any], setup: dict[str, Any]) -> LeftOut
         return of["built"], of["universal"]
 
     memory, render = cell.get("memory"), setup["render"]
-    measured = memory is not None and memory["scene"] == setup["scene"] and setup["backend"] == "nodes"
+    measured = memory is not None and all(memory[key] == setup[key] for key in ("scene", "backend"))
     return LeftOut(
         name, cell["preset"], setup["scene"], setup["backend"], render["ratio"],
         (min(render["rounds"]), max(render["rounds"])), setup["first"]["ratio"], pair(setup["nodes"]),
         pair(setup["instructions"]),
-        (memory["built"]["peak"] / 2**20, memory["universal"]["peak"] / 2**20) if memory and measured else None,
+        (memory["built"]["over"] / 2**20, memory["universal"]["over"] / 2**20) if memory and measured else None,
         setup["same"],
-        tuple(Dropped(one["what"], one["nodes"], one["time"], one["same"]) for one in setup["left_out"]),
+        tuple(
+            Dropped(one["what"], one["why"], one.get("nodes"), one.get("time"), one.get("same"))
+            for one in setup["left_out"]
+        ),
     )  # fmt: skip
 
 

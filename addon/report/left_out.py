@@ -13,11 +13,12 @@ put back and weighted with 0 by data: how many nodes that is, how the picture di
                  "difference": 2e-6, "z": 0.4, "same": true,
                  "left_out": [{"what": "time", "why": "...", "nodes": 93, "difference": 0.0, "z": 0.0,
                                "same": true, "time": 1.02}, ...]}, ...],
-     "memory": {"scene": "lamps", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
+     "memory": {"scene": "lamps", "backend": "nodes", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
 
 "first" is a render of one sample, which synchronises and compiles; "render" one of ``SAMPLES`` by a Cycles that has
 compiled before. Both are processor seconds, medians of rounds that take turns; "ratio" is the median of the rounds'
-own. "time" of one thing put back is of one round, both with compiling, over the material as built. "over" is how far
+own. "time" of one thing put back is of one round, both with compiling, over the material as built; a
+thing that was not put back, to save time, has "what" and "why" alone. "over" is how far
 memory rose above what the process held before it made the material. SVM's count of instructions is only in Cycles' log,
 which the Python module cannot switch on: plain nodes have no figure but their number.
 """
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from bpy.types import Material, Object, Scene
     from numpy.typing import NDArray
 
-    from ..explain import Account
+    from ..explain import Account, Line
     from ..material import Choice
     from ..presets import Preset
 
@@ -58,7 +59,7 @@ CASES = {
     "car_paint": "car_paints/blue",
     "over_time": "time_varying/rusting_iron",
 }
-QUICK = ("schlick", "plastic")
+QUICK, QUICK_LINES = ("schlick", "plastic"), 3
 SCENES = ("environment", "softbox", "lamps")
 OSL_SCENE, OSL_CASES = "softbox", ("schlick", "plastic", "glass", "car_paint")  # the rest take long and differ little
 SIZE, ROUNDS = 40, 3
@@ -90,21 +91,6 @@ def cells(*, quick: bool) -> list[Cell]:
     return [Cell(f"left_out/{name}", partial(measure, CASES[name], quick=quick)) for name in names]
 
 
-def savings(found: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """Of all cells of this part: whether the universal material is nowhere quicker, and the median saving."""
-    setups = [setup for key, cell in found.items() if key.startswith("left_out/") for setup in cell["setups"]]
-    ratios = [setup["render"]["ratio"] for setup in setups]
-    first = [setup["first"]["ratio"] for setup in setups]
-    return {
-        "never_quicker": min(ratios) >= 1.0,
-        "saving": 1.0 - 1.0 / statistics.median(ratios),
-        "ratio": statistics.median(ratios),
-        "ratios": [min(ratios), max(ratios)],
-        "first_ratio": statistics.median(first),
-        "same": all(one["same"] for setup in setups for one in (setup, *setup["left_out"])),
-    }
-
-
 def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) -> dict[str, Any]:
     """The cell of a preset."""
     from .. import presets
@@ -114,8 +100,9 @@ def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) 
     if backend == "nodes" and not quick and identity in {CASES[name] for name in OSL_CASES}:
         setups.append((OSL_SCENE, "osl"))
     rounds = 1 if quick else ROUNDS
-    found = [setup(preset, name, by, rounds, list_all=not quick) for name, by in setups]
-    memory = {"scene": "lamps"} | {which: _memory(identity, which) for which in ("built", "universal")}
+    found = [setup(preset, name, by, rounds, most=QUICK_LINES if quick else None) for name, by in setups]
+    memory: dict[str, Any] = {"scene": "lamps", "backend": backend}
+    memory |= {which: _memory(identity, which) for which in ("built", "universal")}
     return {"preset": identity, "setups": found, "memory": memory}
 
 
@@ -168,8 +155,8 @@ def _lamp(shown: Scene, kind: str, **settings: float) -> None:
     shown.collection.objects.link(item)
 
 
-def setup(preset: Preset, name: str, backend: str, rounds: int, *, list_all: bool = True) -> dict[str, Any]:
-    """One scene and backend: both materials, and what was left out of the one."""
+def setup(preset: Preset, name: str, backend: str, rounds: int, *, most: int | None = None) -> dict[str, Any]:
+    """One scene and backend: both materials, and what was left out of the one, of which ``most`` are put back."""
     from .. import explain, headless
     from ..animation import Play
     from ..material import build
@@ -186,7 +173,7 @@ def setup(preset: Preset, name: str, backend: str, rounds: int, *, list_all: boo
         first, full, pictures = _turns(shown, pair, rounds, backend)
         anew = _draws_anew(preset, choice)
         found = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], anew=anew)
-        lines = _lines(shown, preset, account, list_all=list_all) if name != OSL_SCENE else []
+        lines = _lines(shown, preset, account, most=0 if name == OSL_SCENE else most)
         sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
     return {
         "scene": name, "backend": backend, "estimator": account.estimator,
@@ -231,23 +218,24 @@ def _ball(shown: Scene) -> Object:
     return next(item for item in shown.objects if item.type == "MESH")
 
 
-def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) -> list[dict[str, Any]]:
-    """Each thing that was left out, put back; without ``list_all`` three of them."""
+def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None = None) -> list[dict[str, Any]]:
+    """Each thing that was left out, ``most`` of them put back."""
     from .. import explain
     from ..animation import Play
     from ..material import build
     from . import universal
 
+    listed = list(_listed(account))
+    most = len(listed) if most is None else most
+    named: list[dict[str, Any]] = [{"what": line.what, "why": line.why} for line, _ in listed]
+    if not most:
+        return named
     built, samples = build(preset, account.choice), SAMPLES[account.choice.backend]
     anew = _draws_anew(preset, account.choice)
     start = universal.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
     nothing = universal.data_of(None)
     plain, seconds = _render(shown, built, nothing, samples)
-    found = []
-    for line in account.lines:
-        part = PUT_BACK.get(line.what.partition(":")[0].partition(" (")[0])
-        if part is None or (line.kept and part != "eevee"):
-            continue
+    for index, (_, part) in enumerate(listed[:most]):
         if part == "time":
             other, data = universal.with_time(built), start
         elif part == "eevee":
@@ -256,11 +244,16 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, list_all: bool) ->
             other, data = universal.with_part(built, account.choice, part), nothing
         picture, more = _render(shown, other, data, samples)
         nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
-        said = {"what": line.what, "why": line.why, "nodes": nodes, "time": more / seconds}
-        found.append(said | _compared(plain, picture, samples, anew=anew))
-        if not list_all and len(found) == 3:
-            break
-    return found
+        named[index] |= {"nodes": nodes, "time": more / seconds} | _compared(plain, picture, samples, anew=anew)
+    return named
+
+
+def _listed(account: Account) -> Iterator[tuple[Line, str]]:
+    """What was left out and can be put back, and as what."""
+    for line in account.lines:
+        part = PUT_BACK.get(line.what.partition(":")[0].partition(" (")[0])
+        if part is not None and (part == "eevee" or not line.kept):
+            yield line, part
 
 
 def _render(

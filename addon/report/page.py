@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib import image
 
 from ..files import replacing
-from . import summary
+from . import claims, summary
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -70,7 +70,7 @@ def write(
     }
     text = template.render(
         runs=found, machine=summary.machine_text(machine), figures=figures, vectors=vectors, pictures=shown,
-        say=summary, amplified=AMPLIFIED,
+        say=summary, broken=claims.BROKEN, amplified=AMPLIFIED,
     )  # fmt: skip
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

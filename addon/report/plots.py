@@ -56,6 +56,7 @@ PEERS = {
     "": ("#000000", (8, 3)),  # another renderer's
 }
 SLANTED: dict[str, Any] = {"c": "#888888", "lw": 0.4, "alpha": 0.5}  # lines of slope -1/2
+CROSS: dict[str, Any] = {"marker": "x", "ms": 4, "ls": ""}
 PASSED, LIMITED, FAILED = "#009e73", "#a6dccb", "#d55e00"
 PANEL = (2.7, 2.1)  # inches
 
@@ -103,6 +104,7 @@ def error(run: Run) -> Figure:
     for contest, ax in panels:
         for curve, look in _looks(contest):
             ax.plot(curve.cpu, curve.rmse, **look)
+            _unknown(ax, curve, curve.cpu, curve.rmse, look["color"])
             if curve.competes and curve.told:
                 ax.plot([0.9, 1.0], [curve.floor] * 2, ":", c=look["color"], lw=2, transform=ax.get_yaxis_transform())
     _finish(figure, panels, [curve.cpu for _, curve in run.curves], [curve.rmse for _, curve in run.curves])
@@ -115,12 +117,19 @@ def noise(run: Run) -> Figure:
     for contest, ax in panels:
         for curve, look in _looks(contest):
             ax.plot(curve.samples, curve.noise, **(look | {"marker": ""}))
+            _unknown(ax, curve, curve.samples, curve.noise, look["color"])
             if curve.competes:
                 bias = np.sqrt(curve.bias2[curve.told_at])
                 ax.plot(curve.samples[curve.told_at], bias, "s", ms=2.5, c=look["color"])
     heights = [curve.noise for _, curve in run.curves] + [curve.rmse for _, curve in run.curves]
     _finish(figure, panels, [curve.samples for _, curve in run.curves], heights)
     return figure
+
+
+def _unknown(ax: Axes, curve: Curve, x: NDArray[np.float64], y: NDArray[np.float64], colour: str) -> None:
+    """A cross at each sample count whose noise is more than it seems."""
+    if not curve.resolved.all():
+        ax.plot(x[~curve.resolved], y[~curve.resolved], **(CROSS | {"color": colour}))
 
 
 def _panels(run: Run, x_label: str, y_label: str) -> tuple[Figure, list[tuple[Contest, Axes]]]:
@@ -196,6 +205,8 @@ def _legend(contests: list[Contest]) -> list[Line2D]:
             seen.setdefault("any, as OSL", _look(curve) | {"color": "#000000"})
         else:
             seen.setdefault(name, _look(curve))
+    if not all(curve.resolved.all() for curve in curves):
+        seen["not resolved"] = CROSS | {"color": "#000000"}
     handles = [Line2D([], [], label=name, **look) for name, look in seen.items()]
     return [*handles, Line2D([], [], label="slope −1/2", **(SLANTED | {"lw": 0.8, "alpha": 1.0}))]
 

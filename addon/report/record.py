@@ -20,7 +20,7 @@ import psutil
 from ..files import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 FILE = "report.json"
@@ -91,7 +91,28 @@ def read(path: Path) -> dict[str, Any]:
     if content.get("format") != FORMAT:
         message = f"{path}: is of format {content.get('format')}, this vgroove reads {FORMAT}; measure it anew"
         raise ReportError(message)
+    if flaw := next(_flaws(content), ""):
+        message = f"{path}: {flaw}; name a report.json as `vgroove report -o DIR` wrote it"
+        raise ReportError(message)
     return content
+
+
+def _flaws(content: dict[str, Any]) -> Iterator[str]:
+    """What is not as ``begun`` and ``Record.keep`` leave it, but for what a cell holds."""
+    known = machine()
+    if not isinstance(of := content.get("machine"), dict) or not known.keys() <= of.keys():
+        yield f"machine is no table of {', '.join(known)}"
+    for blender, run in content["runs"].items():
+        if not isinstance(run, dict):
+            yield f"the run of Blender {blender} is no table"
+            continue
+        for key, kind, called in (("vgroove", str, "text"), ("quick", bool, "true or false"), ("cells", dict, "table")):
+            if not isinstance(run.get(key), kind):
+                yield f"{key} in the run of Blender {blender} is no {called}"
+        if isinstance(cells := run.get("cells"), dict):
+            for key, cell in cells.items():
+                if not isinstance(cell, dict):
+                    yield f"{key} in the run of Blender {blender} is no table"
 
 
 def machine() -> dict[str, Any]:

@@ -27,13 +27,6 @@ if TYPE_CHECKING:
     from bpy.types import Material, Object, Scene
     from numpy.typing import NDArray
 
-SCENES = {
-    "furnace": "white furnace",
-    "environment": "environment map",
-    "softbox": "softbox",
-    "sun": "half-degree sun, dim sky",
-    "checker": "glass on a checker",
-}
 BRIGHTEST = 3.0
 DISTANCE, LENS, SENSOR = 6.0, 90.0, 36.0  # of the camera from the unit ball, in metres and millimetres
 LAMP = (1.3, -1.6, 2.6)
@@ -55,7 +48,7 @@ class Stage:
 
 @contextmanager
 def stage(name: str, size: int) -> Iterator[Stage]:
-    """One of ``SCENES`` in ``size`` x ``size`` pixels, kept in Cycles from render to render. Empties this session."""
+    """One of ``findings.SCENES`` in ``size`` x ``size`` pixels, kept in Cycles between renders. Empties this session."""
     if name == "furnace":
         bpy.ops.wm.read_factory_settings(use_empty=True)
         geometry = gonio.Geometry(furnace=True, resolution=(size, size))

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..files import replacing
+from . import claims
 from .findings import AGAINST, TARGETS
+from .words import number, percent, plain, times
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from .findings import Contest, Curve, Dropped, Reached, Run
+    from .findings import Contest, Curve, Dropped, Reached, Run, Win
     from .plots import Drawn
 
 FILE = "report.md"
@@ -42,6 +44,8 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
         lines += images.get("error", []) + images.get("noise", [])
         if run.wins:
             lines += ["", "### Who errs least at a time", "", WINS, "", *_table(*win_rows(run))]
+        if short := too_short(run):
+            lines += ["", TOO_SHORT, "", *(f"- {line}" for line in short)]
         if run.contests:
             lines += ["", "### Each scene and subject", "", CURVES]
         for contest in run.contests:
@@ -61,6 +65,10 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
                 DROPPED,
                 "",
                 *_table(DROPPED_COLUMNS, dropped_rows(run)),
+                "",
+                DROPPED_EACH,
+                "",
+                *_table(DROPPED_EACH_COLUMNS, dropped_each_rows(run)),
             ]
     return "\n".join([*lines, ""])
 
@@ -68,26 +76,32 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
 WINS = (
     "The estimator that errs least, its error, and how many times as much "
     + " and ".join(AGAINST)
-    + " err then. Node groups alone; shorter times are mostly what a render needs to start."
+    + " err then, where that is known. Node groups alone; shorter times are mostly what a render needs to start."
 )
+TOO_SHORT = "Where all renders are too short to be judged by their times, who errs least at equal samples:"
 CURVES = (
     "Slope: of log noise over log samples, from 64 to 4096. Bias: at the most samples; < where it cannot be told from "
-    "0. Times: of the processor, and in brackets by the clock."
+    "0. Times: of the processor, and in brackets by the clock. Not resolved: rare events make most of the noise, and "
+    "no seed has met them; such sample counts are left out."
 )
-CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for target in TARGETS), "FLIP", "differs")
+CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for target in TARGETS), "FLIP", "remarks")
 CASE_COLUMNS = ("group", "what", "value", "run as", "lowest", "highest", "Z", "limit", "")
 LEFT_OUT = (
-    "The universal material, which can show every preset by its inputs alone, against each as it is built. Time and "
-    "first (a render that compiles): universal over as built. Nodes, instructions of OSL, MB: as built / universal."
+    "The universal material, which shows presets by its inputs alone (all but absorption, which it leaves to the one "
+    "as built), against each as it is built. Time and first (a render that compiles): universal over as built. Nodes, "
+    "instructions of OSL, MB that it takes beside Blender: as built / universal."
 )
 LEFT_OUT_COLUMNS = (
     "case", "preset", "scene", "run as", "time", "spread", "first", "nodes", "instructions", "MB", "picture",
 )  # fmt: skip
 DROPPED = (
-    "What the builder leaves out, put back one by one: in how many cases, and by how much more of it in the median."
+    "What the builder leaves out: in how many cases, and how many nodes more and times as long in the median of those "
+    "where it was put back."
 )
 DROPPED_COLUMNS = ("what", "left out", "nodes", "time", "picture")
-SAME = {True: "the same", False: "DIFFERS"}
+DROPPED_EACH = "Case by case, and why."
+DROPPED_EACH_COLUMNS = ("case", "what", "why", "nodes", "time", "picture")
+SAME = {True: "the same", False: "DIFFERS", None: ""}
 
 
 def title(run: Run) -> str:
@@ -99,52 +113,14 @@ def machine_text(machine: Mapping[str, Any]) -> str:
 
 
 def headlines(run: Run) -> list[str]:
-    """What a report says in a sentence each; only what it has numbers for."""
-    said = (_slopes, _unbiased, _winners, _automatic, _backends, _savings, _stability)
-    return [line for line in (of(run) for of in said) if line]
-
-
-def _slopes(run: Run) -> str:
-    slopes = [c.slope.value for _, c in run.curves if c.estimator == "mirror" and c.competes and c.slope]
-    if not slopes:
-        return ""
-    return (
-        f"The noise of mirror falls as samples to the power of {number(median(slopes))}, the median of "
-        f"{len(slopes)} scenes ({number(min(slopes))} to {number(max(slopes))})."
-    )
-
-
-def _unbiased(run: Run) -> str:
-    mirrors = [(contest, c) for contest, c in run.curves if c.estimator == "mirror" and c.competes]
-    told = [f"{contest.title}: {percent(c.floor)}" for contest, c in mirrors if c.told]
-    if not mirrors:
-        return ""
-    small = sum(not c.told and c.at_most < TARGETS[-1] for _, c in mirrors)
-    line = (
-        f"The bias of mirror cannot be told from 0 in {len(mirrors) - len(told)} of {len(mirrors)} scenes; in {small} "
-        f"of these it is known to be below {percent(TARGETS[-1])}"
-    )
-    return f"{line}. It is told in {'; '.join(told)}." if told else f"{line}."
+    """What a report must show, whether it does, and what else it says in a sentence."""
+    return [*(claim.text for claim in claims.of(run)), *(line for of in (_winners, _backends) if (line := of(run)))]
 
 
 def _winners(run: Run) -> str:
     factors = {name: [win.over[name] for _, win in run.wins if name in win.over] for name in AGAINST}
     said = [f"{name} errs {times(median(values))}" for name, values in factors.items() if values]
     return f"After the same time, in the median, {' and '.join(said)} as much as the best estimator." if said else ""
-
-
-def _automatic(run: Run) -> str:
-    if not run.picks:
-        return ""
-    near = sum(pick.close for _, pick in run.picks)
-    contest, worst = max(run.picks, key=lambda one: one[1].ratio)
-    line = f"Automatic is within 10 % of the best at {near} of {len(run.picks)} sample counts"
-    if worst.ratio <= 1.0:
-        return f"{line}."
-    return (
-        f"{line}; at worst it errs {times(worst.ratio)} as much as {worst.winner} "
-        f"({contest.title}, {worst.samples} samples, {worst.estimator})."
-    )
 
 
 def _backends(run: Run) -> str:
@@ -154,45 +130,30 @@ def _backends(run: Run) -> str:
     )
 
 
-def _savings(run: Run) -> str:
-    if not run.left_out:
-        return ""
-    ratios = [case.time for case in run.left_out]
-    differing = [case.title for case in run.left_out if not (case.same and all(one.same for one in case.dropped))]
-    line = (
-        f"One universal material takes {times(median(ratios))} as long as a material that holds only what it needs, in "
-        f"the median of {len(ratios)} cases ({min(ratios):.3g} to {max(ratios):.3g})"
-    )
-    if differing:
-        return f"{line}; the pictures differ in {'; '.join(differing)}."
-    return f"{line}; the pictures are the same."
-
-
-def _stability(run: Run) -> str:
-    if not run.cases:
-        return ""
-    failed = [f"{case.group}: {case.what} {case.value} {case.setup}".rstrip() for case in run.cases if not case.passed]
-    limited = sum(bool(case.limit) for case in run.cases if case.passed)
-    passed = f"{len(run.cases) - len(failed)} of {len(run.cases)} extreme cases pass"
-    line = f"{passed}, {limited} of them within a stated limit"
-    return f"{line}; failed: {'; '.join(failed)}." if failed else f"{line}."
-
-
 def win_rows(run: Run) -> tuple[list[str], list[list[str]]]:
     """Columns and rows: scenes by times."""
-    seconds = sorted({win.seconds for _, win in run.wins})
+    seconds = sorted({win.at for _, win in run.wins})
     rows = []
     for contest in run.contests:
-        won = {win.seconds: win for win in contest.wins}
+        won = {win.at: win for win in contest.wins}
         if won:
-            said = [
-                f"{won[at].winner} {percent(won[at].error)} ({', '.join(times(f) for f in won[at].over.values())})"
-                if at in won
-                else ""
-                for at in seconds
-            ]
-            rows.append([contest.title, *said])
+            rows.append([contest.title, *(won_text(won[at]) if at in won else "" for at in seconds)])
     return ["scene, subject", *(f"{at:g} s" for at in seconds)], rows
+
+
+def won_text(win: Win) -> str:
+    over = ", ".join(f"{name} {times(factor)}" for name, factor in win.over.items() if name != win.winner)
+    return f"{win.winner} {percent(win.error)}" + (f" ({over})" if over else "")
+
+
+def too_short(run: Run) -> list[str]:
+    """Of each contest without a winner at a time, those at equal samples."""
+    return [
+        f"{contest.title}: starting dominates up to {contest.judged_from:.3g} s; at "
+        + "; ".join(f"{win.at:g} samples {won_text(win)}" for win in contest.even)
+        for contest in run.contests
+        if contest.even and not contest.wins
+    ]
 
 
 def about(contest: Contest) -> str:
@@ -212,11 +173,11 @@ def curve_rows(contest: Contest) -> list[list[str]]:
     return [
         [
             curve.name,
-            f"{number(curve.slope.value)} ± {curve.slope.error:.2f}" if curve.slope else "",
+            slope(curve),
             bias(curve),
             *(both(curve.time_to(at, "cpu"), curve.time_to(at, "wall")) for at in TARGETS),
             f"{curve.flip[-1]:.3g}" if curve.flip is not None else "",
-            curve.differs,
+            remarks(curve),
         ]
         for curve in contest.curves.values()
     ]
@@ -251,53 +212,62 @@ def left_out_rows(run: Run) -> list[list[str]]:
 
 
 def dropped_rows(run: Run) -> list[list[str]]:
-    """Each thing that some material does without: how often, and medians of what it would take."""
+    """Each thing that some material does without: of how many that have a list, and medians of what it would take."""
     found: dict[str, list[Dropped]] = {}
-    for one in (one for case in run.left_out for one in case.dropped):
+    listed = [case for case in run.left_out if case.dropped]
+    for one in (one for case in listed for one in case.dropped):
         found.setdefault(one.what, []).append(one)
+    rows = []
+    for what, ones in found.items():
+        same = [one.same for one in ones if one.same is not None]
+        nodes = [one.nodes for one in ones if one.nodes is not None]
+        seconds = [one.time for one in ones if one.time is not None]
+        rows.append(
+            [
+                what, f"{len(ones)} of {len(listed)}", f"{median(nodes):g}" if nodes else "",
+                times(median(seconds)) if seconds else "", SAME[all(same) if same else None],
+            ]
+        )  # fmt: skip
+    return rows
+
+
+def dropped_each_rows(run: Run) -> list[list[str]]:
     return [
         [
-            what, f"{len(ones)} of {len(run.left_out)}", f"{median(one.nodes for one in ones):g}",
-            times(median(one.time for one in ones)), SAME[all(one.same for one in ones)],
+            case.title, one.what, one.why, "" if one.nodes is None else str(one.nodes),
+            "" if one.time is None else times(one.time), SAME[one.same],
         ]
-        for what, ones in found.items()
+        for case in run.left_out
+        for one in case.dropped
     ]  # fmt: skip
 
 
+def slope(curve: Curve) -> str:
+    if curve.slope is None:
+        return ""
+    return number(curve.slope.value) + ("" if curve.slope.error is None else f" ± {curve.slope.error:.2f}")
+
+
+def remarks(curve: Curve) -> str:
+    """In what its model differs, and the sample counts of which nothing is known."""
+    unknown = ", ".join(f"{count:g}" for count in curve.samples[~curve.resolved])
+    return "; ".join(text for text in (curve.differs, unknown and f"not resolved at {unknown} samples") if text)
+
+
 def bias(curve: Curve) -> str:
+    if curve.last is None:
+        return ""
     return percent(curve.floor) if curve.told else f"< {percent(curve.at_most)}"
 
 
 def reached(at: Reached) -> str:
     if at.seconds is not None:
         return f"{'≤ ' if at.within else ''}{at.seconds:.3g} s"
-    return f"floor {percent(at.value)}" if at.limit == "floor" else f"> {at.value:.3g} s"
+    return {"floor": f"floor {percent(at.value)}", "time": f"> {at.value:.3g} s", "noise": ""}[at.limit]
 
 
 def both(cpu: Reached, wall: Reached) -> str:
-    return reached(cpu) if cpu.limit == "floor" else f"{reached(cpu)} ({reached(wall)})"
-
-
-def percent(share: float) -> str:
-    return f"{short(100.0 * share)} %"
-
-
-def times(factor: float) -> str:
-    return f"{factor:.2f} ×" if factor < 10.0 else f"{short(factor)} ×"
-
-
-def short(value: float) -> str:
-    """Three digits, and all that stand before the point."""
-    return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
-
-
-def number(value: float) -> str:
-    """With a minus that is as wide as a digit."""
-    return f"{value:.2f}".replace("-", "−")
-
-
-def plain(value: float | None) -> str:
-    return "" if value is None else f"{value:.3g}"
+    return reached(cpu) if cpu.limit in {"floor", "noise"} else f"{reached(cpu)} ({reached(wall)})"
 
 
 def _table(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a report must show, and whether it does: the sentences of the page, of report.md and of the documents.
+
+Imports no bpy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from statistics import median
+from typing import TYPE_CHECKING
+
+from .findings import CLOSE, TARGETS
+from .words import number, percent, times
+
+if TYPE_CHECKING:
+    from .findings import Run
+
+SLOPE, SLOPE_BAR = -0.5, 0.05  # of noise over independent samples, and how far from it a measured one may be
+BROKEN = "DOES NOT HOLD"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim, the numbers that were found, and whether it holds by them."""
+
+    claim: str
+    found: str
+    holds: bool
+
+    @property
+    def text(self) -> str:
+        return f"{self.claim}: {self.found}." if self.holds else f"{BROKEN}: {self.claim}: {self.found}."
+
+
+def of(run: Run) -> list[Claim]:
+    """Those that a run has numbers for."""
+    made = (_slope, _unbiased, _automatic, _universal, _pictures, _stability)
+    return [claim for one in made if (claim := one(run))]
+
+
+def _slope(run: Run) -> Claim | None:
+    """Where rare events leave the slope less certain than the bar, it says nothing for or against the claim."""
+    slopes = {
+        contest.title: curve.slope
+        for contest, curve in run.curves
+        if curve.estimator == "mirror" and curve.competes and curve.slope
+    }
+    if not slopes:
+        return None
+    known = {title: one.value for title, one in slopes.items() if one.error is None or one.error <= SLOPE_BAR}
+    off = [f"{title}: {number(value)}" for title, value in known.items() if abs(value - SLOPE) > SLOPE_BAR]
+    found = "in no scene is it known so well"
+    if known:
+        found = (
+            f"{number(median(known.values()))}, the median of {len(known)} scenes ({number(min(known.values()))} to "
+            f"{number(max(known.values()))})"
+        )
+        if len(known) < len(slopes):
+            found += f"; not known so well in {', '.join(title for title in slopes if title not in known)}"
+    claim = f"The noise of mirror falls as samples to the power of {number(SLOPE)} ± {SLOPE_BAR:g}"
+    return Claim(claim, "; but ".join([found, *([", ".join(off)] if off else [])]), bool(known) and not off)
+
+
+def _unbiased(run: Run) -> Claim | None:
+    mirrors = [
+        (contest, curve)
+        for contest, curve in run.curves
+        if curve.estimator == "mirror" and curve.competes and contest.independent and curve.last is not None
+    ]
+    if not mirrors:
+        return None
+    told = [f"{contest.title}: {percent(curve.floor)}" for contest, curve in mirrors if curve.told]
+    small = sum(not curve.told and curve.at_most < TARGETS[-1] for _, curve in mirrors)
+    found = (
+        f"in {len(mirrors) - len(told)} of {len(mirrors)} whose truth is had without it, in {small} of which it is "
+        f"known to be below {percent(TARGETS[-1])}"
+    )
+    if told:
+        found += f"; but it is told in {', '.join(told)}"
+    found += "; in the others the truth is mirror's own, which `vgroove check` holds against the reference"
+    return Claim("The bias of mirror cannot be told from 0", found, not told)
+
+
+def _automatic(run: Run) -> Claim | None:
+    if not run.picks:
+        return None
+    near = sum(pick.close for _, pick in run.picks)
+    contest, worst = max(run.picks, key=lambda one: one[1].ratio)
+    found = f"at {near} of {len(run.picks)} sample counts"
+    if worst.ratio > 1.0:
+        found += (
+            f"; at worst it errs {times(worst.ratio)} as much as {worst.winner} "
+            f"({contest.title}, {worst.samples} samples, {worst.estimator})"
+        )
+    return Claim(f"Automatic is within {100 * (CLOSE - 1):.0f} % of the best", found, near == len(run.picks))
+
+
+def _universal(run: Run) -> Claim | None:
+    if not run.left_out:
+        return None
+    ratios = [case.time for case in run.left_out]
+    quicker = [f"{case.title}: {times(case.time)}" for case in run.left_out if case.time < 1.0]
+    saved = 1.0 - 1.0 / median(ratios)
+    found = (
+        f"it takes {times(median(ratios))} as long in the median of {len(ratios)} cases ({min(ratios):.3g} to "
+        f"{max(ratios):.3g}), of which the material as built saves {100 * saved:.0f} %"
+    )
+    if quicker:
+        found += f"; but quicker in {', '.join(quicker)}"
+    return Claim("One universal material is nowhere quicker than one that holds only what it needs", found, not quicker)
+
+
+def _pictures(run: Run) -> Claim | None:
+    if not run.left_out:
+        return None
+    differing = [case.title for case in run.left_out if not case.all_same]
+    found = f"in {len(run.left_out) - len(differing)} of {len(run.left_out)} cases"
+    if differing:
+        found += f"; the pictures differ in {', '.join(differing)}"
+    return Claim("Pictures are the same without what was left out", found, not differing)
+
+
+def _stability(run: Run) -> Claim | None:
+    if not run.cases:
+        return None
+    failed = [f"{case.group}: {case.what} {case.value} {case.setup}".rstrip() for case in run.cases if not case.passed]
+    limited = sum(bool(case.limit) for case in run.cases if case.passed)
+    found = f"{len(run.cases) - len(failed)} of {len(run.cases)}, {limited} of them within a stated limit"
+    if failed:
+        found += f"; failed: {'; '.join(failed)}"
+    return Claim("Extreme cases pass", found, not failed)
