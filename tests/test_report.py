@@ -17,7 +17,7 @@ from matplotlib.colors import to_rgb
 from scipy import stats
 
 from vgroove.addon import cli
-from vgroove.addon.report import compare, draw, findings, page, plots, record, run, summary
+from vgroove.addon.report import claims, compare, draw, findings, page, plots, record, run, summary
 from vgroove.addon.report.record import Cell, ReportError
 
 SEEDS, PIXELS = 4, 500
@@ -71,7 +71,7 @@ def case(what, value, *, passed=True, limit=""):
     }  # fmt: skip
 
 
-def left_out(time, *, same=True, backend="nodes"):
+def left_out(time, *, same=True, backend="nodes", of_memory="nodes"):
     dropped = {"what": "time", "why": "it is static", "nodes": 93, "difference": 0.0, "same": True, "time": 1.02}
     setup = {
         "scene": "lamps", "backend": backend, "estimator": "corrected", "nodes": {"built": 40, "universal": 400},
@@ -80,7 +80,10 @@ def left_out(time, *, same=True, backend="nodes"):
         "render": {"built": 1.0, "universal": time, "ratio": time, "rounds": [0.95 * time, time, 1.05 * time]},
         "difference": 1e-7, "same": same, "left_out": [dropped, dropped | {"what": "transmission", "time": 1.5}],
     }  # fmt: skip
-    memory = {"scene": "lamps"} | {which: {"peak": 300 * 2**20, "over": 2**20} for which in ("built", "universal")}
+    memory = {"scene": "lamps", "backend": of_memory}
+    memory |= {
+        which: {"peak": 300 * 2**20, "over": over * 2**20} for which, over in (("built", 45), ("universal", 169))
+    }
     return {"preset": "lecture/copper", "setups": [setup], "memory": memory}
 
 
@@ -107,8 +110,13 @@ def report(blenders=("5.2.3",), cells=None):
     return json.loads(json.dumps(content))  # no part is another's
 
 
+def only(cells):
+    """The run of a report of these cells."""
+    return findings.runs(report(cells=cells))[0]
+
+
 def contest(cell):
-    return findings.runs(report(cells={"accuracy/a/b": cell}))[0].contests[0]
+    return only({"accuracy/a/b": cell}).contests[0]
 
 
 def vgroove(*arguments):
@@ -132,7 +140,9 @@ def test_slope_is_that_of_the_noise_over_the_range():
     expected = stats.linregress(np.log(COUNTS[4:]), np.log(bent[4:]))
     found = contest(cell).curves["mirror, nodes"].slope
     assert (found.value, found.error) == pytest.approx((expected.slope, expected.stderr), rel=1e-12)
-    assert curve(0.05, 0.3, 1e-3, counts=(16, 64, 256)).slope is None
+    of_two = curve(0.05, 0.3, 1e-3, counts=(16, 64, 256)).slope
+    assert (of_two.value, of_two.error) == (pytest.approx(-0.5, abs=1e-12), None)
+    assert curve(0.05, 0.3, 1e-3, counts=(16, 64)).slope is None
     assert curve(0.05, 0.0, 1e-3).slope is None  # without noise there is none
 
 
@@ -192,11 +202,11 @@ def test_winner_changes_where_the_curves_cross():
     }
     crossing = 0.1  # where 1 / sqrt(t / .001) is .1
     found = contest(cell)
-    assert [win.seconds for win in found.wins] == [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0]
+    assert [win.at for win in found.wins] == [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0]
     for win in found.wins:
-        if win.seconds != crossing:
-            assert win.winner == ("closure" if win.seconds < crossing else "mirror")
-            mirror = np.sqrt(1e-3 / win.seconds)
+        if win.at != crossing:
+            assert win.winner == ("closure" if win.at < crossing else "mirror")
+            mirror = np.sqrt(1e-3 / win.at)
             assert win.error == pytest.approx(min(0.1, mirror), rel=1e-6)
             expected = {"closure": max(1.0, 0.1 / mirror), "mirror": max(1.0, mirror / 0.1)}
             assert win.over == pytest.approx(expected, rel=1e-6)
@@ -226,23 +236,139 @@ def test_short_renders_are_held_against_each_other_at_equal_samples():
     assert best["corrected"] / best[late.winner] / late.ratio == pytest.approx(1.0, abs=0.04)
 
 
-def test_headlines_are_those_of_the_numbers():
-    lines = "\n".join(summary.headlines(findings.runs(report())[0]))
-    for words in (
-        "to the power of −0.50, the median of 1 scenes",
-        "mirror cannot be told from 0 in 1 of 1 scenes; in 1 of these it is known to be below 1 %",
-        "of 11 sample counts",
-        "A sample takes 1.30 × as long as OSL",
-        "One universal material takes 2.00 × as long",
-        "3 cases (1.5 to 3); the pictures are the same",
-        "4 of 5 extreme cases pass, 1 of them within a stated limit; failed: far: metres 100000.",
-    ):
-        assert words in lines
-    unlike = report(cells={"left_out/metal": left_out(2.0, same=False)})
-    assert "the pictures differ in metal, lamps, nodes." in "\n".join(summary.headlines(findings.runs(unlike)[0]))
-    assert summary.headlines(findings.runs(report(cells={"left_out/a": left_out(2.0)}))[0])[0].startswith(
-        "One universal"
+def claimed(cells):
+    """Of a report of these cells: {the claim's first words: (what was found, whether it holds)}."""
+    return {" ".join(one.claim.split()[:3]): (one.found, one.holds) for one in claims.of(only(cells))}
+
+
+def with_mirror(scene="softbox", **figures):
+    cell = accuracy(scene)
+    cell["contenders"]["mirror, nodes"] |= {key: np.asarray(values).tolist() for key, values in figures.items()}
+    return cell
+
+
+def test_claims_are_those_of_the_numbers():
+    cells = report()["runs"]["5.2.3"]["cells"]
+    found = claimed(cells)
+    by_mirror = (
+        "in 1 of 1 whose truth is had without it, in 1 of which it is known to be below 1 %; in the others the truth is "
+        "mirror's own, which `vgroove check` holds against the reference"
     )
+    assert found == {
+        "The noise of": ("−0.50, the median of 1 scenes (−0.50 to −0.50)", True),
+        "The bias of": (by_mirror, True),
+        "Automatic is within": (found["Automatic is within"][0], True),
+        "One universal material": (
+            "it takes 2.00 × as long in the median of 3 cases (1.5 to 3), of which the material as built saves 50 %",
+            True,
+        ),
+        "Pictures are the": ("in 3 of 3 cases", True),
+        "Extreme cases pass": ("4 of 5, 1 of them within a stated limit; failed: far: metres 100000", False),
+    }
+    near = sum(pick.ratio <= 1.1 for pick in contest(accuracy()).picks)
+    assert found["Automatic is within"][0].startswith(f"at {near} of 11 sample counts; at worst it errs ")
+    lines = summary.headlines(only(cells))
+    assert [line.startswith("DOES NOT HOLD: ") for line in lines] == [*5 * [False], True, *2 * [False]]
+    wrong = claimed({"accuracy/a/b": accuracy() | {"auto": ["mirror"] * len(COUNTS)}})["Automatic is within"]
+    assert wrong[0].startswith("at 0 of 11 sample counts")
+    assert not wrong[1]
+    assert lines[-1].startswith("A sample takes 1.30 × as long as OSL")
+
+
+@pytest.mark.parametrize(("power", "holds"), [(-0.451, True), (-0.449, False), (-0.549, True), (-0.551, False)])
+def test_a_slope_may_be_off_by_a_twentieth(power, holds):
+    found, held = claimed({"accuracy/a/b": with_mirror(noise=np.array(COUNTS) ** power)})["The noise of"]
+    assert held is holds
+    assert ("but softbox, copper" in found) is not holds
+
+
+def test_a_slope_that_is_not_known_claims_nothing():
+    noise = np.array(COUNTS) ** -0.2 * np.exp(0.5 * np.random.default_rng(1).standard_normal(len(COUNTS)))
+    vague = with_mirror("sun", noise=noise)
+    assert claimed({"accuracy/a/b": vague})["The noise of"] == ("in no scene is it known so well", False)
+    found, holds = claimed({"accuracy/a/b": vague, "accuracy/c/d": accuracy()})["The noise of"]
+    assert holds
+    assert "the median of 1 scenes" in found
+    assert found.endswith("not known so well in half-degree sun, copper")
+
+
+def test_mirror_is_unbiased_by_truths_that_it_has_no_part_in():
+    off = np.full(len(COUNTS), 0.02**2)
+    for scene, holds in (("softbox", False), ("furnace", False)):
+        found, held = claimed({"accuracy/a/b": with_mirror(scene, bias2=off)})["The bias of"]
+        assert held is holds
+        assert f"told in {findings.SCENES[scene]}, copper: 2 %" in found
+    for scene in ("environment", "sun", "checker"):
+        assert "The bias of" not in claimed({"accuracy/a/b": with_mirror(scene, bias2=off)})
+
+
+def test_a_universal_material_that_is_quicker_or_differs_breaks_a_claim():
+    found = claimed({"left_out/a": left_out(2.0), "left_out/b": left_out(0.99)})
+    assert found["One universal material"][1] is False
+    assert found["One universal material"][0].endswith("but quicker in b, lamps, nodes: 0.99 ×")
+    assert found["Pictures are the"] == ("in 2 of 2 cases", True)
+    whole, part = left_out(2.0, same=False), left_out(2.0)
+    part["setups"][0]["left_out"][1]["same"] = False
+    for cell in (whole, part):
+        assert claimed({"left_out/a": cell})["Pictures are the"] == (
+            "in 0 of 1 cases; the pictures differ in a, lamps, nodes",
+            False,
+        )
+
+
+def test_a_count_that_is_not_resolved_tells_nothing():
+    """The most samples, and the fewest: no bias, no winner, no point of a slope, no time to an error."""
+    resolved = np.ones(len(COUNTS), bool)
+    resolved[[0, -1]] = False
+    cell = accuracy()
+    fit = cell["contenders"]["fit, nodes"] | {"resolved": resolved.tolist()}
+    fit["bias2"][-1], fit["noise"][-1], fit["rmse"][-1], fit["rmse"][0] = 4.0, 1e-9, 1e-9, 1e-9
+    cell["contenders"]["fit, nodes"] = fit
+    one, plain = contest(cell).curves["fit, nodes"], contest(accuracy()).curves["fit, nodes"]
+    assert one.slope.value == pytest.approx(-0.5, abs=1e-12)
+    assert one.floor == pytest.approx(plain.floor, rel=1e-12)
+    assert not one.told_at[-1]
+    assert one.time_to(0.02, "cpu") == plain.time_to(0.02, "cpu")
+    assert one.time_to(1e-6, "cpu").limit == "floor"
+    for seconds in (one.cpu[0], 0.5 * (one.cpu[0] + one.cpu[1]), one.cpu[-1], 2.0 * one.cpu[-1]):
+        assert one.error_at(float(seconds)) == np.inf
+    assert one.error_at(float(one.cpu[1])) == pytest.approx(one.rmse[1], rel=1e-12)
+    assert all(win.winner != "fit" for win in contest(cell).even if win.at in {COUNTS[0], COUNTS[-1]})
+    assert summary.remarks(one) == "not resolved at 4, 4096 samples"
+    cell["auto"] = ["fit"] * len(COUNTS)
+    assert [pick.samples for pick in contest(cell).picks] == list(COUNTS[1:-1])
+    fit["resolved"] = [False] * len(COUNTS)
+    none = contest(cell).curves["fit, nodes"]
+    assert (none.slope, none.last, none.told, summary.bias(none)) == (None, None, False, "")
+    assert summary.both(none.time_to(0.02, "cpu"), none.time_to(0.02, "wall")) == ""
+
+
+def test_a_rival_that_is_not_resolved_is_no_factor():
+    cell = accuracy()
+    cell["contenders"]["mirror, nodes"]["resolved"] = [False] * len(COUNTS)
+    wins = contest(cell).wins
+    assert wins
+    assert all(win.over.keys() == {"closure"} for win in wins)
+    said = summary.won_text(wins[0])
+    assert said == f"{wins[0].winner} {100 * wins[0].error:.3g} % (closure {wins[0].over['closure']:.2f} ×)"
+
+
+def test_where_starting_dominates_equal_samples_are_told():
+    """Of 16, 64 and 256 samples of 1 ms after 0.5 s: noise .3 / sqrt(N) and a bias of .05 or none."""
+    cell = accuracy(counts=(16, 64, 256))
+    cell["contenders"] = {
+        f"{name}, nodes": contender(bias, 0.3, 1e-3, 0.5, (16, 64, 256), estimator=name, backend="nodes")
+        for name, bias in (("closure", 0.05), ("fit", 0.0))
+    }
+    found = contest(cell)
+    assert found.wins == []
+    over = [np.hypot(0.05, 0.3 / np.sqrt(n)) / (0.3 / np.sqrt(n)) for n in (16, 64, 256)]
+    assert [(win.at, win.winner) for win in found.even] == [(n, "fit") for n in (16.0, 64.0, 256.0)]
+    assert [win.over["closure"] for win in found.even] == pytest.approx(over, rel=1e-12)
+    (line,) = summary.too_short(only({"accuracy/a/b": cell}))
+    assert line.startswith("softbox, copper: starting dominates up to 1 s; at 16 samples fit 7.5 % (closure 1.20 ×); ")
+    assert line in summary.markdown([only({"accuracy/a/b": cell})], report()["machine"], {})
+    assert summary.too_short(only({"accuracy/a/b": accuracy()})) == []
 
 
 def test_what_was_left_out_is_told_case_by_case_and_thing_by_thing():
@@ -257,13 +383,44 @@ def test_what_was_left_out_is_told_case_by_case_and_thing_by_thing():
         "2.00 ×",
         "40 / 400",
         "",
-        "300 / 300",
+        "45 / 169",
     ]
     assert summary.left_out_rows(found)[1] == [*metal, "the same"]
     assert summary.dropped_rows(found) == [
         ["time", "2 of 2", "93", "1.02 ×", "the same"],
         ["transmission", "2 of 2", "93", "1.50 ×", "the same"],
     ]
+
+
+def test_what_was_not_put_back_is_told_but_not_measured():
+    """It counts, a setup without a list does not, and medians are of what was measured."""
+    cells = {f"left_out/{name}": left_out(2.0) for name in ("a", "b", "c")}
+    cells["left_out/b"]["setups"][0]["left_out"] = []
+    cells["left_out/c"]["setups"][0]["left_out"] = [
+        {"what": "time", "why": "not now"},
+        {"what": "body", "why": "it is hollow"},
+    ]
+    found = only(cells)
+    assert summary.dropped_rows(found) == [
+        ["time", "2 of 2", "93", "1.02 ×", "the same"],
+        ["transmission", "1 of 2", "93", "1.50 ×", "the same"],
+        ["body", "1 of 2", "", "", ""],
+    ]
+    assert summary.dropped_each_rows(found) == [
+        ["a, lamps, nodes", "time", "it is static", "93", "1.02 ×", "the same"],
+        ["a, lamps, nodes", "transmission", "it is static", "93", "1.50 ×", "the same"],
+        ["c, lamps, nodes", "time", "not now", "", "", ""],
+        ["c, lamps, nodes", "body", "it is hollow", "", "", ""],
+    ]
+    assert claimed(cells)["Pictures are the"] == ("in 3 of 3 cases", True)
+
+
+@pytest.mark.parametrize(
+    ("backend", "of_memory", "there"), [("nodes", "nodes", 1), ("osl", "osl", 1), ("osl", "nodes", 0)]
+)
+def test_memory_is_that_of_the_scene_and_backend_it_was_measured_in(backend, of_memory, there):
+    (one,) = only({"left_out/a": left_out(2.0, backend=backend, of_memory=of_memory)}).left_out
+    assert one.memory_mb == ((45.0, 169.0) if there else None)
 
 
 def test_extreme_cases_are_told_by_what_of_them_is_not_as_usual():
@@ -297,7 +454,7 @@ class Page(HTMLParser):
 def test_a_report_is_drawn_whole_and_the_same_each_time(tmp_path):
     """Two Blenders, nothing from elsewhere, every picture with a text, figures to the byte the same."""
     content = report(("4.5.15", "5.2.3"))
-    written = draw.draw(content, None, tmp_path)
+    written = draw.draw(findings.runs(content), content["machine"], None, tmp_path)
     assert written == [tmp_path / "report.html", tmp_path / "report.md", tmp_path / "plots"]
     names = {f"{kind}-{blender}" for kind in ("error", "noise", "stability", "left_out") for blender in content["runs"]}
     assert {path.name for path in (tmp_path / "plots").iterdir()} == {f"{n}.{e}" for n in names for e in ("png", "svg")}
@@ -375,11 +532,11 @@ def test_rmse_error_is_how_much_it_scatters():
     assert rmse.std() < compare.rmse_error(contest(cell).curves["x"], SEEDS)[0] < 1.29 * rmse.std()
 
 
-def changed(change):
+def changed(change, cells=None):
     """What compare says of a report against itself after ``change``: {(where, who, what): worse}."""
-    before, after = report(), report()
+    before, after = report(cells=cells), report(cells=cells)
     change(after["runs"]["5.2.3"]["cells"])
-    found, _ = compare.changes(before, after)
+    found, _ = compare.changes(findings.runs(before), findings.runs(after))
     return {(one.where, one.who, one.what): one.worse for one in found}
 
 
@@ -428,6 +585,68 @@ def test_times_are_judged_over_a_peer():
     expected = ("softbox, copper", "fit, nodes", "time over Metallic BSDF")
     assert changed(slower(1.3, "fit, nodes")) == {expected: True}
     assert changed(slower(1 / 1.3, "fit, nodes")) == {expected: False}
+
+
+def test_a_time_must_change_by_more_than_the_seeds_scatter():
+    """A third longer, where 3 counts of 4 seeds scatter by a fifth: 2 sqrt(pi/2 / 4 / 3) / 5 is .14 in a log.
+
+    Its four standard errors or so are more than log 1.3 = .26; those of a scatter of a twentieth are not.
+    """
+
+    def change(cells):
+        cells["accuracy/softbox/copper"]["contenders"]["fit, nodes"]["cpu"] = [
+            1.3 * one for one in cells["accuracy/softbox/copper"]["contenders"]["fit, nodes"]["cpu"]
+        ]
+
+    for spread, said in ((0.2, False), (0.05, True)):
+        cells = report()["runs"]["5.2.3"]["cells"]
+        for one in cells["accuracy/softbox/copper"]["contenders"].values():
+            one["cpu_spread"] = [spread] * len(COUNTS)
+        assert bool(changed(change, cells)) is said
+
+
+def test_a_regression_is_not_hidden_by_an_improvement():
+    def change(cells):
+        one = cells["accuracy/softbox/copper"]["contenders"]["mirror, nodes"]
+        one["rmse"] = (np.array(one["rmse"]) * np.linspace(0.2, 1.6, len(COUNTS))).tolist()
+
+    where = ("softbox, copper", "mirror, nodes")
+    assert changed(change) == {(*where, "error at 4096 samples"): True, (*where, "error at 4 samples"): False}
+
+
+def test_peers_are_not_judged():
+    def change(cells):
+        for one in cells["accuracy/softbox/copper"]["contenders"].values():
+            if one["peer"] == "mitsuba":
+                one["cpu"], one["rmse"] = [9.0 * t for t in one["cpu"]], [9.0 * e for e in one["rmse"]]
+
+    assert changed(change) == {}
+
+
+def test_what_is_gone_is_worse_and_what_is_new_is_neither():
+    """Not between a quick and a full report, of which the one has less by intent. A whole is told once."""
+
+    def change(cells):
+        del cells["accuracy/softbox/copper"]["contenders"]["corrected, nodes"]
+        del cells["stability/far"], cells["left_out/glass"]
+        del cells["stability/slope"]["cases"][0]
+        cells["accuracy/sun/copper"] = accuracy("sun")
+
+    assert changed(change) == {
+        ("softbox, copper", "corrected, nodes", "measured"): True,
+        ("slope", "m 1e-06", "measured"): True,
+        ("far", "", "measured"): True,
+        ("left out", "glass, lamps, nodes", "measured"): True,
+        ("half-degree sun, copper", "", "measured"): None,
+    }
+    before, after = report(), report()
+    change(after["runs"]["5.2.3"]["cells"])
+    after["runs"]["5.2.3"]["quick"] = True
+    assert compare.changes(findings.runs(before), findings.runs(after))[0] == []
+    both, one = findings.runs(report(("4.5.15", "5.2.3"))), findings.runs(report(("5.2.3",)))
+    assert [(c.blender, c.what, c.after, c.worse) for c in compare.changes(both, [*one, one[0]])[0]] == [
+        ("4.5.15", "measured", "no", True)
+    ]
 
 
 def test_cases_and_savings_are_compared():
@@ -482,6 +701,13 @@ def test_compare_exits_1_if_something_is_worse(two, capsys):
         (["--compare", "a.json"], "--compare"),
         (["-o", "a.json"], "cannot be made"),
         (["-o", "other"], "was measured on another machine"),
+        (["-o", "bare"], "report.json: machine is no table of system, processor"),
+        (["--from", "bare/report.json"], "report.json: machine is no table of system, processor"),
+        (["--from", "celless.json"], "celless.json: cells in the run of Blender 5.2.3 is no table"),
+        (["--from", "listed.json"], "listed.json: the run of Blender 5.2.3 is no table"),
+        (["--from", "flat.json"], "flat.json: left_out/a in the run of Blender 5.2.3 is no table"),
+        (["--from", "hollow.json"], "hollow.json: left_out/a: not as this vgroove writes it"),
+        (["--compare", "a.json", "hollow.json"], "hollow.json: left_out/a: not as this vgroove writes it"),
     ],
 )
 def test_bad_input_is_one_line(two, monkeypatch, capsys, arguments, message):
@@ -490,13 +716,34 @@ def test_bad_input_is_one_line(two, monkeypatch, capsys, arguments, message):
     (folder / "broken.json").write_text("{")
     (folder / "old.json").write_text(json.dumps(report() | {"format": 0}))
     (folder / "empty.json").write_text(json.dumps(report() | {"runs": {}}))
+    (folder / "bare").mkdir()
+    (folder / "bare" / "report.json").write_text(json.dumps({"format": 1, "runs": {}}))
+    (folder / "hollow.json").write_text(json.dumps(report(cells={"left_out/a": {}})))
+    (folder / "flat.json").write_text(json.dumps(report(cells={"left_out/a": []})))
+    run_of = report()["runs"]["5.2.3"]
+    (folder / "celless.json").write_text(json.dumps(report() | {"runs": {"5.2.3": run_of | {"cells": None}}}))
+    (folder / "listed.json").write_text(json.dumps(report() | {"runs": {"5.2.3": [run_of]}}))
     (folder / "other").mkdir()
-    (folder / "other" / "report.json").write_text(json.dumps(report() | {"machine": {"cores": 0}}))
+    (folder / "other" / "report.json").write_text(
+        json.dumps(report() | {"machine": report()["machine"] | {"cores": 0}})
+    )
     assert vgroove(*arguments) == 2
     said = capsys.readouterr().err
     assert message in said
     assert said.count("\n") == 1
     assert not (folder / "there").exists()
+
+
+def test_a_report_exits_1_if_a_claim_does_not_hold(tmp_path, monkeypatch, capsys):
+    """A full one; a quick one says so alone. It is drawn in any case."""
+    monkeypatch.setattr(cli, "_with_blender", lambda: None)
+    for quick, time, code in ((False, 0.9, 1), (True, 0.9, 0), (False, 2.0, 0)):
+        content = report(cells={"left_out/metal": left_out(time)})
+        content["runs"]["5.2.3"]["quick"] = quick
+        (tmp_path / "report.json").write_text(json.dumps(content))
+        assert vgroove("--from", tmp_path / "report.json", "-o", tmp_path / "new") == code
+        assert ("DOES NOT HOLD: One universal material" in capsys.readouterr().err) is (time < 1.0)
+        assert ('class="bad"' in (tmp_path / "new" / page.FILE).read_text(encoding="utf-8")) is (time < 1.0)
 
 
 def test_a_report_is_drawn_without_blender(tmp_path):

@@ -80,11 +80,13 @@ def test_what_is_put_back_does_nothing_and_is_there(blender):
     preset = presets.find("lecture/copper")
     with headless.quiet():
         shown = left_out.stage("environment", SIZE)
-        found = left_out._lines(shown, preset, explain.explain(preset, shown, "nodes"), list_all=True)
+        account = explain.explain(preset, shown, "nodes")
+        found, named = left_out._lines(shown, preset, account), left_out._lines(shown, preset, account, most=0)
     whats = [line["what"].partition(":")[0] for line in found]
     assert whats == [
         "closure beside it", "Fresnel terms", "time", "diffuse part", "transmission", "random numbers", "lamp terms"
     ]  # fmt: skip
+    assert named == [{key: line[key] for key in ("what", "why")} for line in found]
     assert all(line["same"] for line in found), found
     assert all(line["nodes"] > 0 for line in found[1:]), found
     assert found[0]["nodes"] == 0  # Cycles drops what only EEVEE shows
@@ -135,23 +137,6 @@ def test_data_hold_every_parameter(name):
         known = parameter.removesuffix("_1")
         got = data.get(f"vgroove {known}", data.get(f"vgroove {known} after"))
         np.testing.assert_array_equal(got, value)
-
-
-def test_savings_are_of_all_cells():
-    """The median of the ratios over every setup, and whether any universal material was quicker."""
-
-    def cell(*ratios):
-        line = {"same": True}
-        setups = [
-            {"render": {"ratio": r}, "first": {"ratio": 3.0 * r}, "same": True, "left_out": [line]} for r in ratios
-        ]
-        return {"setups": setups}
-
-    found = left_out.savings({"left_out/a": cell(2.0, 4.0), "left_out/b": cell(8.0), "accuracy/c": {}})
-    assert found["never_quicker"]
-    assert found["saving"] == pytest.approx(0.75)
-    assert found["first_ratio"] == pytest.approx(12.0)
-    assert not left_out.savings({"left_out/a": cell(0.9, 4.0)})["never_quicker"]
 
 
 def test_cells_are_the_same_in_each_run():

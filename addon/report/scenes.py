@@ -48,7 +48,7 @@ class Stage:
 
 @contextmanager
 def stage(name: str, size: int) -> Iterator[Stage]:
-    """One of ``findings.SCENES`` in ``size`` x ``size`` pixels, kept in Cycles between renders. Empties this session."""
+    """One of ``findings.SCENES`` in ``size`` x ``size`` pixels, kept in Cycles between renders. Empties the session."""
     if name == "furnace":
         bpy.ops.wm.read_factory_settings(use_empty=True)
         geometry = gonio.Geometry(furnace=True, resolution=(size, size))
