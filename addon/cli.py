@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
     from .batch.job import Task
     from .batch.outcome import Outcome
+    from .material import Choice
     from .presets import Preset
 
 INTERRUPTED = 130  # exit code, as shells have it
@@ -402,16 +403,25 @@ def explain(
             if line.kept == kept:
                 table.add_row(line.what, line.why)
         out.print(table)
-    caption = "universal: one material whose inputs show any preset, but for absorption"
-    if backend == Backend.NODES and not universal.fits():
-        caption += "; does not fit in this Blender"
-    table = Table("", "as built", "universal", caption=caption)
+    table = Table("", "as built", "universal", caption=_universal_caption(account.choice))
     for what, label in (("nodes", "nodes"), ("instructions", "OSL instructions")):
         if size["universal"][what]:
             table.add_row(label, *(str(of[what]) for of in size.values()))
     out.print(table)
     for text in advice:
         out.print(f"advice: {text}", highlight=False, markup=False)
+
+
+def _universal_caption(choice: Choice) -> str:
+    """What the universal material can do in place of the one that was built by ``choice``."""
+    from .report import universal
+
+    said = "universal: one material whose inputs show any preset, but for absorption"
+    if terms := universal.form_of(choice).lamps:
+        said += f", with terms of {terms} lamps"
+    if choice.backend == Backend.NODES and not universal.fits():
+        said += "; does not fit in this Blender"
+    return said
 
 
 @app.command()

@@ -251,8 +251,8 @@ def test_claims_are_those_of_the_numbers():
     cells = report()["runs"]["5.2.3"]["cells"]
     found = claimed(cells)
     by_mirror = (
-        "in 1 of 1 whose truth is had without it, in 1 of which it is known to be below 1 %; in the others the truth is "
-        "mirror's own, which `vgroove check` holds against the reference"
+        "in 1 of 1 whose truth is had without it, in 1 of which it is known to be below 1 %; in the others the truth "
+        "is mirror's own, which `vgroove check` holds against the reference"
     )
     assert found == {
         "The noise of": ("−0.50, the median of 1 scenes (−0.50 to −0.50)", True),
@@ -753,7 +753,9 @@ def test_a_report_is_drawn_without_blender(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "bpy is not installed, so the page has no pictures" in done.stderr
-    assert "One universal material takes 2.00" in (tmp_path / "new" / page.FILE).read_text(encoding="utf-8")
+    assert "it takes 2.00 × as long in the median of 1 cases" in (tmp_path / "new" / page.FILE).read_text(
+        encoding="utf-8"
+    )
 
 
 @pytest.mark.parametrize("gone", ["matplotlib", "flip_evaluator", "mitsuba"])

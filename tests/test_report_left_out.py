@@ -169,3 +169,22 @@ def test_explain_has_the_numbers_as_json():
     size = found["size"]
     for what in ("nodes", "instructions"):
         assert size["universal"][what] > 2 * size["built"][what] > 0
+
+
+def test_explain_says_what_the_universal_material_cannot_do(blender, monkeypatch):
+    """Absorption; more lamps than it has terms for; and to be built of nodes where SVM has no room."""
+    from vgroove.addon import cli
+
+    for room in (True, False):
+        monkeypatch.setattr(universal, "fits", lambda room=room: room)
+        nodes, native, osl = (
+            cli._universal_caption(material.Choice(*of))
+            for of in (("nodes", "corrected"), ("nodes", "closure"), ("osl", "corrected"))
+        )
+        assert all("but for absorption" in said for said in (nodes, native, osl))
+        assert "terms of 4 lamps" in nodes
+        assert "lamps" not in native
+        assert "terms of 8 lamps" in osl
+        assert [said.endswith("does not fit in this Blender") for said in (nodes, native, osl)] == [
+            not room, not room, False
+        ]  # fmt: skip
