@@ -330,7 +330,8 @@ def test_a_count_that_is_not_resolved_tells_nothing():
     assert not one.told_at[-1]
     assert one.time_to(0.02, "cpu") == plain.time_to(0.02, "cpu")
     assert one.time_to(1e-6, "cpu").limit == "floor"
-    for seconds in (one.cpu[0], 0.5 * (one.cpu[0] + one.cpu[1]), one.cpu[-1], 2.0 * one.cpu[-1]):
+    between = [0.5 * (one.cpu[index] + one.cpu[index + 1]) for index in (0, -2)]
+    for seconds in (one.cpu[0], *between, one.cpu[-1], 2.0 * one.cpu[-1]):
         assert one.error_at(float(seconds)) == np.inf
     assert one.error_at(float(one.cpu[1])) == pytest.approx(one.rmse[1], rel=1e-12)
     assert all(win.winner != "fit" for win in contest(cell).even if win.at in {COUNTS[0], COUNTS[-1]})
@@ -349,6 +350,7 @@ def test_a_rival_that_is_not_resolved_is_no_factor():
     wins = contest(cell).wins
     assert wins
     assert all(win.over.keys() == {"closure"} for win in wins)
+    assert summary.won_text(findings.Win(1.0, "closure", 0.02, {"closure": 1.0})) == "closure 2 %"
     said = summary.won_text(wins[0])
     assert said == f"{wins[0].winner} {100 * wins[0].error:.3g} % (closure {wins[0].over['closure']:.2f} ×)"
 
@@ -612,6 +614,15 @@ def test_a_regression_is_not_hidden_by_an_improvement():
 
     where = ("softbox, copper", "mirror, nodes")
     assert changed(change) == {(*where, "error at 4096 samples"): True, (*where, "error at 4 samples"): False}
+
+
+def test_an_error_that_is_not_resolved_is_not_compared():
+    def change(cells):
+        one = cells["accuracy/softbox/copper"]["contenders"]["mirror, nodes"]
+        one["rmse"][0], one["bias2"][-1] = 1e-9, 4.0
+        one["resolved"] = [False, *[True] * (len(COUNTS) - 2), False]
+
+    assert changed(change) == {}
 
 
 def test_peers_are_not_judged():
