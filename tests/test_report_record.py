@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a report keeps: nothing of other code, nothing lost to failures or to another Blender, no number that is none."""
+"""What a report keeps: nothing of other code, nothing lost to failures or to another Blender, and numbers alone."""
 
 import json
 import shutil
