@@ -12,11 +12,11 @@ demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against Num
 
 test test-4.5 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
 
-test: | $(UV)  ## every test, on Blender 5.2; of grids of renders each pair of values
+test: | $(UV)  ## every test, on Blender 5.2; of grids of renders each value
 	$(RUN) pytest -n auto
 
-test-4.5: | $(UV)  ## the same on Blender 4.5; of grids of renders each value
-	$(RUN_45) pytest -n auto --cover 1
+test-4.5: | $(UV)  ## the same on Blender 4.5
+	$(RUN_45) pytest -n auto
 
 test-all: | $(UV)  ## every row of every grid, on both
 	$(RUN) pytest -n auto --cover 0
