@@ -83,7 +83,7 @@ def _pixel(scene: Scene, frame: tuple[Vector, ...]) -> tuple[NDArray[np.float64]
 
 
 def filter_width(scene: Scene) -> float:
-    """Over how many pixels samples spread: of Blackman-Harris, over twice as many, as densely as if evenly over these."""
+    """Over how many pixels samples spread; Blackman-Harris as densely as if evenly, over twice as many."""
     return 1.0 if scene.cycles.pixel_filter_type == "BOX" else float(scene.cycles.filter_width)
 
 
