@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .batch.job import Task
     from .batch.outcome import Outcome
     from .presets import Preset
+    from .report.record import Record
 
 INTERRUPTED = 130  # exit code, as shells have it
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__, rich_markup_mode=None)
@@ -638,21 +639,33 @@ def report(
 
     file = output / record.FILE
     _make(file)
-    begun = record.begun(file, _versions(), quick=quick)
+    begun = record.begun(file, _versions()["blender"], quick=quick)
+    failed = _measured(begun, output, quick=quick)
+    _draw(file, output)
+    if failed:
+        message = f"{len(failed)} measurements failed, {failed[0]} first; give the command again"
+        raise RuntimeError(message)
+
+
+def _measured(begun: Record, folder: Path, *, quick: bool) -> list[str]:
+    """Measure what a report lacks; the keys of what could not be had."""
     _with_blender()
     from .report import run
 
+    failed = []
     wanted = run.cells(quick=quick)
     missing = run.missing(begun, wanted)
     if kept := len(wanted) - len(missing):
         _say(f"{kept} of {len(wanted)} measurements are there already")
     try:
-        for _ in _progress(run.measured(begun, missing, output), "measuring", len(missing)):
-            pass
+        for cell, reason in _progress(run.measured(begun, missing, folder), "measuring", len(missing)):
+            if reason:
+                failed.append(cell.key)
+                _say(f"vgroove: {cell.key}: {reason}")
     except KeyboardInterrupt:
-        _say(f"{len(wanted) - len(run.missing(begun, wanted))} of {len(wanted)} measurements are kept in {file}")
+        _say(f"{len(wanted) - len(run.missing(begun, wanted))} of {len(wanted)} measurements are kept in {begun.path}")
         raise
-    _draw(file, output)
+    return failed
 
 
 def _draw(source: Path, folder: Path) -> None:

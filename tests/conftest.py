@@ -47,13 +47,22 @@ def covering(rows, strength):
     """Rows that hold all that any holds: values, or pairs of them; each time the one that holds most of the rest."""
     holds = {}
     for row in rows:
-        values = list(enumerate(row.callspec.id.split("-")))
+        values = list(enumerate(_values(row.callspec.params.values())))
         holds[row] = set(combinations(values, min(strength, len(values))))
     wanted = set().union(*holds.values())
     while wanted:
         best = max(rows, key=lambda row: len(holds[row] & wanted))
         yield best
         wanted -= holds[best]
+
+
+def _values(parameters):
+    """The values of a row as text; those of a tuple one by one."""
+    for one in parameters:
+        if isinstance(one, tuple | list):
+            yield from _values(one)
+        else:
+            yield getattr(one, "__name__", None) or repr(one)
 
 
 @pytest.fixture

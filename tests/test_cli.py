@@ -84,7 +84,10 @@ def test_presets_as_json_hold_the_contract():
     ids=lambda value: "_".join(value)[:40] if isinstance(value, list) else "",
 )
 def test_bad_input_is_one_line_and_exit_2(tmp_path, monkeypatch, capfd, arguments, message):
-    """What, where, how to mend it; nothing on standard output, nothing written. In one process, which starts but once."""
+    """What, where, how to mend it; nothing on standard output, nothing written.
+
+    In this process, as Blender starts slowly; the command itself is run below.
+    """
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", ["vgroove", *arguments])
     with pytest.raises(SystemExit) as ended:

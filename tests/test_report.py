@@ -549,4 +549,4 @@ def test_an_interrupted_report_goes_on(monkeypatch, capsys, tmp_path):
     assert vgroove("--from", out / record.FILE, "-o", tmp_path / "elsewhere") == 0
     assert (tmp_path / "elsewhere" / page.FILE).read_text() == before
     assert vgroove("-o", out, "--quick") == 2
-    assert "holds a report of vgroove" in capsys.readouterr().err
+    assert "holds a full report of other quick; choose another folder" in capsys.readouterr().err

@@ -13,7 +13,7 @@ against the reference: the world by ``mirror`` and the lamp by ``direct``, sever
 from __future__ import annotations
 
 import time
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -27,7 +27,7 @@ from ..reference import albedo
 from . import contenders, mitsuba_peer, statistics
 from .contenders import Contender
 from .flip import flip
-from .mitsuba_peer import Peer
+from .mitsuba_peer import Peer, PeerError
 from .record import Cell
 from .scenes import stage
 
@@ -47,10 +47,14 @@ PICTURE_SIZE, PICTURE_SAMPLES = 64, 64
 TRUTHS, FIRST_TRUTH = 4, 101  # how many, and the first one's seed
 WORLD_SAMPLES, LAMP_SAMPLES = 16384, 16384  # of each truth; a dim sky beside a lamp takes a sixteenth
 QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
+# Not in the furnace: glass, which sends back all of it. By the map alone: subsurface scattering, as direct has none.
 LIT = ("environment", "softbox", "sun")
 PAIRS = (
     *((name, of) for of in ("copper", "plaster", "plastic") for name in ("furnace", *LIT)),
     *((name, of) for of in ("satin", "rough") for name in ("environment", "softbox")),
+    ("environment", "paint"),
+    ("softbox", "paint"),
+    ("environment", "marble"),
     ("checker", "frosted"),
     ("checker", "glass"),
 )
@@ -67,22 +71,24 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, 
     """One scene and subject."""
     counts = QUICK_COUNTS if quick else COUNTS
     preset = contenders.subjects()[subject]
-    backends = ("nodes", "osl") if subject == BOTH_BACKENDS else ("nodes",)
-    with headless.quiet(), stage(name, SIZE) as shown:
-        rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
-        truths = truth(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
-        with _mitsuba(name) as peer:
+    with headless.quiet(), ExitStack() as stack:
+        other, without = _mitsuba(stack, name, preset)
+        with stage(name, SIZE) as shown:
+            backends = ("nodes", "osl") if subject == BOTH_BACKENDS else ("nodes",)
+            rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
+            truths = truth(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
             found = _race(shown, rivals, counts)
-            if peer is not None:
-                rivals.append(_other(preset, peer))
-                found[rivals[-1].label] = _other_race(peer, name, preset, counts)
-        scored = {rival.label: _scored(rival, found[rival.label], truths, shown) for rival in rivals}
-        auto = [_picked(shown, preset, samples) for samples in counts]
+            if other is not None:
+                rivals.append(other.contender)
+                found[other.contender.label] = other.race(name, counts)
+            scored = {rival.label: _scored(rival, found[rival.label], counts, truths, shown) for rival in rivals}
+            auto = [_picked(shown, preset, samples) for samples in counts]
+        drawn = None if name == "furnace" else pictures(folder, name, subject, preset, other)
     return {
-        "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m,
-        "size": SIZE, "samples": list(counts), "seeds": [_seeds(samples) for samples in counts], "truth": _said(name),
-        "contenders": scored,
-        "auto": auto, "pictures": None if name == "furnace" else pictures(folder, name, subject, preset),
+        "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m, "size": SIZE,
+        "samples": list(counts), "seeds": [_seeds(samples) for samples in counts], "first_seed": 1,
+        "truth": _said(name), "first_truth_seed": FIRST_TRUTH, "without": without, "contenders": scored, "auto": auto,
+        "pictures": drawn,
     }  # fmt: skip
 
 
@@ -141,28 +147,42 @@ def _race(shown: Stage, rivals: list[Contender], counts: tuple[int, ...]) -> dic
     return found
 
 
-def _mitsuba(name: str) -> AbstractContextManager[Peer | None]:
-    return Peer() if name in mitsuba_peer.SCENES else nullcontext()
+@dataclass(frozen=True)
+class Other:
+    """Mitsuba, and what it shows a preset by."""
+
+    peer: Peer
+    bsdf: dict[str, Any]
+
+    @property
+    def contender(self) -> Contender:
+        kind = self.bsdf["type"]
+        differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({self.peer.version}, {self.peer.variant})"
+        return Contender("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
+
+    def race(self, name: str, counts: tuple[int, ...]) -> list[Taken]:
+        """As ``_race``: after Cycles, as each takes all cores."""
+        found = []
+        for samples in counts:
+            taken = Taken()
+            for seed in range(1, _seeds(samples) + 1):
+                one = self.peer.render(name, self.bsdf, samples, seed, SIZE)
+                taken.pictures.append(one.picture)
+                taken.wall.append(one.wall)
+                taken.cpu.append(one.cpu)
+            found.append(taken)
+        return found
 
 
-def _other(preset: Preset, peer: Peer) -> Contender:
-    kind = mitsuba_peer.nearest(preset)["type"]
-    differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({peer.version}, {peer.variant})"
-    return Contender("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
-
-
-def _other_race(peer: Peer, name: str, preset: Preset, counts: tuple[int, ...]) -> list[Taken]:
-    """As ``_race``, in Mitsuba: after Cycles, as each takes all cores."""
-    bsdf, found = mitsuba_peer.nearest(preset), []
-    for samples in counts:
-        taken = Taken()
-        for seed in range(1, _seeds(samples) + 1):
-            one = peer.render(name, bsdf, samples, seed, SIZE)
-            taken.pictures.append(one.picture)
-            taken.wall.append(one.wall)
-            taken.cpu.append(one.cpu)
-        found.append(taken)
-    return found
+def _mitsuba(stack: ExitStack, name: str, preset: Preset) -> tuple[Other | None, str]:
+    """Mitsuba until the stack is left, if it has the scene and something like the preset; or why not."""
+    if name not in mitsuba_peer.SCENES:
+        return None, "Mitsuba has no gonioreflectometer"
+    try:
+        bsdf = mitsuba_peer.nearest(preset)
+        return Other(stack.enter_context(Peer()), bsdf), ""
+    except (ValueError, PeerError) as error:
+        return None, str(error)
 
 
 def _seeds(samples: int) -> int:
@@ -170,14 +190,28 @@ def _seeds(samples: int) -> int:
 
 
 def _render(shown: Stage, samples: int, seed: int) -> tuple[NDArray[np.float64], float, float]:
-    """The picture, and the seconds that its render took, by the wall and by the processor."""
+    """The picture, and the seconds that its render took, by the wall and by the processor; files are not in them."""
     shown.scene.cycles.samples, shown.scene.cycles.seed = samples, seed
-    wall, cpu = time.perf_counter(), time.process_time()
-    picture = gonio.rendered(shown.scene)
-    return picture.astype(np.float64), time.perf_counter() - wall, time.process_time() - cpu
+    clocks: list[tuple[float, float]] = []
+
+    def note(*_: Any) -> None:
+        clocks.append((time.perf_counter(), time.process_time()))
+
+    around = (bpy.app.handlers.render_pre, bpy.app.handlers.render_post)
+    for handlers in around:
+        handlers.append(note)
+    try:
+        picture = gonio.rendered(shown.scene)
+    finally:
+        for handlers in around:
+            handlers.remove(note)
+    (wall, cpu), (wall_end, cpu_end) = clocks
+    return picture.astype(np.float64), wall_end - wall, cpu_end - cpu
 
 
-def _scored(rival: Contender, found: list[Taken], truths: NDArray[np.float64], shown: Stage) -> dict[str, Any]:
+def _scored(
+    rival: Contender, found: list[Taken], counts: tuple[int, ...], truths: NDArray[np.float64], shown: Stage
+) -> dict[str, Any]:
     """What a contender errs by, and the time that it takes, at each sample count."""
     exact, reference = truths[:, shown.seen], truths.mean(axis=0)
     errors = [statistics.error(np.stack(taken.pictures)[:, shown.seen], exact) for taken in found]
@@ -186,9 +220,11 @@ def _scored(rival: Contender, found: list[Taken], truths: NDArray[np.float64], s
         "rmse": [one.rmse for one in errors],
         "bias2": [one.bias2 for one in errors], "bias2_error": [one.bias2_error for one in errors],
         "noise": [one.noise for one in errors],
+        "resolved": statistics.resolved([one.noise for one in errors], counts),
         "flip": [float(np.mean([flip(reference, one) for one in taken.pictures])) for taken in found],
         "wall": [float(np.median(taken.wall)) for taken in found],
         "cpu": [float(np.median(taken.cpu)) for taken in found],
+        "cpu_spread": [float(np.std(taken.cpu, ddof=1) / np.mean(taken.cpu)) for taken in found],
     }  # fmt: skip
 
 
@@ -208,21 +244,22 @@ def _said(name: str) -> str:
     )
 
 
-def pictures(folder: Path, name: str, subject: str, preset: Preset) -> dict[str, Any]:
+def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other | None) -> dict[str, Any]:
     """Larger pictures to look at, as linear EXRs in the report's folder: the truth, and each contender in SVM."""
-    found: dict[str, Any] = {"samples": PICTURE_SAMPLES, "files": {}}
-    target = folder / "pictures"
-    target.mkdir(exist_ok=True)
-    with headless.quiet(), stage(name, PICTURE_SIZE) as shown:
-        rivals = [*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.peers(preset)]
+    target = folder / "pictures" / bpy.app.version_string.split()[0]
+    target.mkdir(parents=True, exist_ok=True)
+    with stage(name, PICTURE_SIZE) as shown:
         drawn = {"reference": _true(shown, preset, FIRST_TRUTH, fewer=8)}
-        for rival in rivals:
+        for rival in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.peers(preset)):
             shown.item.active_material = rival.make(shown.scene)
             drawn[rival.label] = _render(shown, PICTURE_SAMPLES, 1)[0]
-        for label, picture in drawn.items():
-            path = target / f"{name}-{subject}-{label.split(',')[0].replace(' ', '_').lower()}.exr"
-            with replacing(path) as temporary:
-                images.write(temporary, picture.astype(np.float32), {})
-            found["files"][label] = f"pictures/{path.name}"
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    return found
+    if other is not None:
+        one = other.peer.render(name, other.bsdf, PICTURE_SAMPLES, 1, PICTURE_SIZE)
+        drawn[other.contender.label] = one.picture
+    files = {}
+    for label, picture in drawn.items():
+        path = target / f"{name}-{subject}-{label.split(',')[0].replace(' ', '_').lower()}.exr"
+        with replacing(path) as temporary:
+            images.write(temporary, picture.astype(np.float32), {})
+        files[label] = path.relative_to(folder).as_posix()
+    return {"samples": PICTURE_SAMPLES, "files": files}

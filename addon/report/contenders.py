@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from ..presets import Preset
 
 
+LOBE = "GGX in place of Beckmann's D, and light lost between facets is given back"
+
+
 def subjects() -> dict[str, Preset]:
     """The materials that are shown, by what a report calls them."""
     copper = presets.find("lecture/copper")
@@ -27,6 +30,8 @@ def subjects() -> dict[str, Preset]:
         "rough": copper.with_parameters(m=0.6),
         "plaster": presets.find("diffuse/plaster"),
         "plastic": presets.find("plastics/red_plastic"),
+        "paint": presets.find("car_paints/blue"),
+        "marble": presets.find("translucent/marble"),
         "glass": presets.find("glasses/fused_silica"),
         "frosted": presets.find("glasses/frosted_glass"),
     }
@@ -78,7 +83,7 @@ def peers(preset: Preset) -> Iterator[Contender]:
             "BsdfGlossy", {"Color": colour, "Roughness": roughness}, distribution="BECKMANN",
         )  # fmt: skip
         yield _peer(
-            "Principled BSDF", "GGX in place of Beckmann's D",
+            "Principled BSDF", LOBE,
             "BsdfPrincipled", {"Base Color": colour, "Metallic": 1.0, "Roughness": roughness},
         )  # fmt: skip
     elif preset.model == "oren_nayar":
@@ -93,14 +98,28 @@ def peers(preset: Preset) -> Iterator[Contender]:
         )  # fmt: skip
     elif preset.model == "sum":
         yield _peer(
-            "Principled BSDF", "GGX, and what the coat mirrors is taken from the base; the preset has half of each",
+            "Principled BSDF", f"{LOBE}; the base under a coat, where the preset has half of each",
             "BsdfPrincipled", {"Base Color": of["albedo"], "IOR": of["eta"], "Roughness": of["m"] ** 0.5},
+        )  # fmt: skip
+    elif preset.model == "car_paint":
+        yield _peer(
+            "Principled BSDF", f"{LOBE}; the base under one coat, where the preset has {preset.lobes} lobes",
+            "BsdfPrincipled", {"Base Color": of["albedo"], "Roughness": of["m_1"] ** 0.5},
+        )  # fmt: skip
+    elif preset.model == "translucent":
+        yield _peer(
+            "Principled BSDF", f"{LOBE}; the same scattering below it",
+            "BsdfPrincipled",
+            {
+                "Base Color": of["reflectance"], "Subsurface Weight": 1.0, "Subsurface Radius": of["mean_free_path"],
+                "Subsurface Scale": 1.0, "IOR": of["eta"], "Roughness": of["m"] ** 0.5,
+            },
         )  # fmt: skip
     elif preset.model == "glass":
         numbers = {"IOR": of["eta"], "Roughness": of["m"] ** 0.5}
         yield _peer("Glass BSDF", "Smith's G", "BsdfGlass", {"Color": of["tint"], **numbers}, distribution="BECKMANN")
         yield _peer(
-            "Principled BSDF", "GGX in place of Beckmann's D",
+            "Principled BSDF", LOBE,
             "BsdfPrincipled", {"Base Color": of["tint"], "Transmission Weight": 1.0, **numbers},
         )  # fmt: skip
 

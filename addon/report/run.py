@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from subprocess import SubprocessError
 from typing import TYPE_CHECKING
 
 from . import accuracy, left_out, stability
@@ -25,8 +26,13 @@ def missing(record: Record, wanted: list[Cell]) -> list[Cell]:
     return [cell for cell in wanted if cell.key not in record.cells]
 
 
-def measured(record: Record, wanted: list[Cell], folder: Path) -> Iterator[Cell]:
-    """Measure each cell, and keep it before the next is begun."""
+def measured(record: Record, wanted: list[Cell], folder: Path) -> Iterator[tuple[Cell, str]]:
+    """Measure each cell, and keep it before the next is begun. With each the reason why it could not be had, or ""."""
     for cell in wanted:
-        record.keep(cell.key, cell.measure(folder))
-        yield cell
+        try:
+            found = cell.measure(folder)
+        except (RuntimeError, ValueError, ArithmeticError, SubprocessError) as error:
+            yield cell, " ".join(f"{type(error).__name__}: {error}".split())
+        else:
+            record.keep(cell.key, found)
+            yield cell, ""

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 
@@ -73,3 +75,17 @@ def scale(truths: NDArray[np.floating]) -> float:
         return float(np.sqrt(np.mean(exact**2)))
     products = (exact.sum(axis=0) ** 2 - np.sum(exact**2, axis=0)) / (a * (a - 1))
     return float(np.sqrt(np.mean(products)))
+
+
+RARE = 0.25  # of a sample's variance, as later counts have it: what scatters of four pictures is far less
+
+
+def resolved(noise: Sequence[float], samples: Sequence[int]) -> list[bool]:
+    """Whether the noise at each count is that of all that happens, for contenders whose rays seldom hit a light.
+
+    N noise^2, the variance of one sample, does not grow with N. Where it is under ``RARE`` of what a later count has,
+    no picture has met yet what most of the light comes from: the noise is not to be seen, and looks like bias.
+    """
+    one = np.asarray(samples) * np.square(noise)
+    later = np.maximum.accumulate(one[::-1])[::-1]
+    return [bool(own >= RARE * most) for own, most in zip(one, later, strict=True)]
