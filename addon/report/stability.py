@@ -232,7 +232,8 @@ def beside(
     changed = np.sum(2.0 * np.abs(h[..., :2] / h[..., 2:]) * turned + turned**2, axis=-1, keepdims=True) / m**2
     bar = float(np.max(np.minimum(changed, 1.0) * expected / scale))  # weighed by what the view shows there
     if native:
-        eta = float(preset.parameters["eta"])
+        eta = preset.parameters["eta"]
+        assert isinstance(eta, float)
         steep = 2.0 * (1.0 + eta**2) / (eta**2 - 1.0) ** 0.5
         nearest = float(np.min(np.linalg.norm(h, axis=-1)))
         bar += approximate + check.closure_bar(m) + min(1.0, steep * 2.0 * check.ROUNDING / nearest)
