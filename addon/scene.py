@@ -208,8 +208,8 @@ def _ray_problems(scene: Scene) -> Iterator[Problem]:
     samples, found = scene.cycles.samples, rays.different_rays(scene)
     if found >= FEWEST_RAYS * min(samples, rays.MOST):
         return
-    where = "where nothing moves " if scene.render.use_motion_blur else ""
-    text = f"In a pixel {where}only {found:.0f} rays differ, and random numbers with them"
+    where = " where nothing moves" if scene.render.use_motion_blur else ""
+    text = f"Of the rays in a pixel{where} only {found:.0f} differ, and random numbers with them"
     text += f": {samples} samples have the noise of {1.0 / (1.0 / samples + 1.0 / found):.0f}"
     if rays.filter_width(scene) < 1.0:
         widen = partial(_set, scene.cycles, filter_width=1.5)
