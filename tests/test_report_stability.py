@@ -126,11 +126,12 @@ def test_a_panel_that_foresees_the_wrong_rays_fails(instrument, monkeypatch):
 
 @pytest.mark.parametrize("estimator", ["direct", "closure", "fit", "corrected"])
 def test_one_percent_in_the_formula_fails_at_grazing_light(instrument, monkeypatch, estimator):
+    """By OSL, where Cycles' own lobes have the very Fresnel term in Blender 4.5 too."""
     light = partial(stability.grazing_light, estimator, 0.3)
-    assert light(89.9, check.SETUPS[0]).more["holds"]
+    assert light(89.9, check.SETUPS[2]).more["holds"]
     right = stability.rendered
     monkeypatch.setattr(stability, "rendered", lambda *of: lambda wi, wo: 1.01 * right(*of)(wi, wo))
-    assert not light(89.9, check.SETUPS[0]).more["holds"]
+    assert not light(89.9, check.SETUPS[2]).more["holds"]
 
 
 def test_a_sun_too_low_to_be_driven_is_a_stated_limit(instrument):
