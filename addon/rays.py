@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many rays of one pixel differ from each other: it is from these alone that random numbers are hashed.
+"""How many rays of one pixel differ from each other: of what stands still, random numbers are hashed from these alone.
 
 Cycles rounds where a ray starts to float32 in world space, that is to 2^-24 of the distance from the origin, and its
 direction to 2^-24. Orthographic rays all have one direction; far from the origin, or between samples that the pixel
-filter keeps close together, few of them differ. M different rays give a picture the noise of M samples: to the
-variance v / N of N samples comes v / M, which is the same for every seed. A lens that has an aperture gives each ray a
-direction of its own.
+filter keeps close together, few of them differ. Samples that share a ray share their random numbers: of rays that come
+up with chances p, the sum of p^2 is that of a pair to do so, and M is 1 over it. To the variance v / N of N independent
+samples then comes (1 - 1/N) v / M, the same for every seed; samples that Cycles spreads evenly meet less often, but are
+never better than v / N or v / M. A lens that has an aperture gives each ray a direction of its own.
+
+Within its triangle what moves is met elsewhere at each moment (Parametric, in random_numbers.py): there more differ.
 """
 
 from __future__ import annotations
@@ -19,26 +22,31 @@ if TYPE_CHECKING:
     from mathutils import Vector
     from numpy.typing import NDArray
 
-MOST = 4096  # of the rays that are looked at
+LOOKED_AT = 4096  # rays, of which 8 million pairs: M is known to a tenth up to 80 000
+MOST = 2**17  # samples to which that is enough to tell whether 8 times as many rays differ
 APERTURE = 2.0**-14  # radius over focal distance: blurs by 1/16 of a pixel what is 1024 pixels out of focus
 
 
-def different_rays(scene: Scene, samples: int) -> int:
-    """How many of ``samples`` rays in the middle of the picture differ, of up to ``MOST``; at least 1.
+def different_rays(scene: Scene) -> float:
+    """How many rays in the middle of the picture differ: M, at most ``LOOKED_AT`` squared over 2.
 
     Of panoramic cameras and those that a shader drives nothing is known, and all count as different.
     """
-    count = min(samples, MOST)
     if scene.camera is None or scene.camera.type != "CAMERA" or scene.camera.data.type not in {"ORTHO", "PERSP"}:
-        return count
-    # Random numbers would meet each other by chance; these lie evenly, so that what falls together was rounded so.
-    x, y, u, v = ((0.5 + np.outer([*_EVEN], np.arange(count))) % 1.0).astype(np.float32)
+        return float(LOOKED_AT**2 / 2)
+    x, y, u, v = np.random.default_rng(1).random((4, LOOKED_AT), dtype=np.float32)
     rows = np.concatenate(_rays(scene, scene.camera, x, y, u, v), axis=-1)
-    return len(np.unique(rows.view(np.uint32).astype(np.uint64) @ _MIX))
+    _, counts = np.unique(rows.view(np.uint32).astype(np.uint64) @ _MIX, return_counts=True)
+    return different(counts)
 
 
-# Powers of the root of t^5 = t + 1, the generalised golden ratio in four dimensions
-_EVEN = 1.1673039782614187 ** -np.arange(1.0, 5.0)
+def different(counts: NDArray[np.int64]) -> float:
+    """M, of how often each of what was drawn came up: all pairs over those that are alike, which are at least 1."""
+    drawn = int(counts.sum())
+    alike = int(np.sum(counts * (counts - 1)))
+    return drawn * (drawn - 1) / max(alike, 2)
+
+
 _MIX = np.random.default_rng(1).integers(0, 2**63, 6, dtype=np.uint64) | np.uint64(1)  # one number for six
 
 
@@ -55,7 +63,8 @@ def _rays(
     start, way = (at * [1, 1, 0], ahead) if camera.type == "ORTHO" else (0.0 * at, at)
     if radius := aperture(camera):
         focus = focal_distance(item)
-        lens = radius * np.sqrt(u)[:, None] * np.stack([np.cos(6.28 * v), np.sin(6.28 * v), 0.0 * v], axis=-1)
+        phi = 2.0 * np.pi * v
+        lens = radius * np.sqrt(u)[:, None] * np.stack([np.cos(phi), np.sin(phi), 0.0 * v], axis=-1)
         start, way = start + lens, way * (focus / -np.broadcast_to(way, at.shape)[:, 2:]) - lens
     matrix = np.array(item.matrix_world.normalized(), dtype=np.float32)
     turned = np.broadcast_to(way, at.shape).astype(np.float32) @ matrix[:3, :3].T
@@ -74,7 +83,7 @@ def _pixel(scene: Scene, frame: tuple[Vector, ...]) -> tuple[NDArray[np.float64]
 
 
 def filter_width(scene: Scene) -> float:
-    """Over how many pixels samples spread."""
+    """Over how many pixels samples spread; Blackman-Harris as densely as if evenly, over twice as many."""
     return 1.0 if scene.cycles.pixel_filter_type == "BOX" else float(scene.cycles.filter_width)
 
 
@@ -106,8 +115,8 @@ def open_aperture(scene: Scene) -> None:
 
 def _middle(scene: Scene, item: Object) -> float:
     """How far ahead of the camera the nearest surface in the middle of the picture is; else what the objects are."""
-    back = item.matrix_world.to_quaternion()
-    ahead = back @ type(item.location)((0.0, 0.0, -1.0))
+    rotation = item.matrix_world.to_quaternion()
+    ahead = rotation @ type(item.location)((0.0, 0.0, -1.0))
     graph = scene.view_layers[0].depsgraph
     graph.update()
     hit, place, *_ = scene.ray_cast(graph, item.matrix_world.translation, ahead)

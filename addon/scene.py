@@ -31,6 +31,7 @@ MEASURED_SAMPLES = 4096  # to which docs/error.md goes
 WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
 PHYSICS = {"CLOTH", "SOFT_BODY", "FLUID", "PARTICLE_SYSTEM", "DYNAMIC_PAINT", "COLLISION"}  # modifiers
 SIMULATIONS = {"GeometryNodeSimulationOutput", "GeometryNodeBake"}
+FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
 FORMATS = {".exr": "OPEN_EXR", ".png": "PNG"}
 
 
@@ -204,11 +205,12 @@ def _mirror_problems(  # noqa: C901 - one condition a problem
 
 def _ray_problems(scene: Scene) -> Iterator[Problem]:
     """Too few different rays to hash random numbers from: noise, the same for every seed, that no sample takes away."""
-    wanted = min(scene.cycles.samples, rays.MOST)
-    found = rays.different_rays(scene, wanted)
-    if 2 * found > wanted:
+    samples, found = scene.cycles.samples, rays.different_rays(scene)
+    if found >= FEWEST_RAYS * min(samples, rays.MOST):
         return
-    text = f"Only {found} of {wanted} rays in a pixel differ, and random numbers with them: more samples bring nothing"
+    where = " where nothing moves" if scene.render.use_motion_blur else ""
+    text = f"Of the rays in a pixel{where} only {found:.0f} differ, and random numbers with them"
+    text += f": {samples} samples have the noise of {1.0 / (1.0 / samples + 1.0 / found):.0f}"
     if rays.filter_width(scene) < 1.0:
         widen = partial(_set, scene.cycles, filter_width=1.5)
         yield Problem("rays", f"{text}. The pixel filter is too narrow", "Widen the Pixel Filter", widen)

@@ -12,34 +12,43 @@ from vgroove.nodegroups._tree import Value
 
 pytestmark = pytest.mark.blender
 
-OF = pictures.NUMBERS**2
 FEW = (Shot(where=3e3), Shot(where=1e4), Shot(scale=1e-4, where=1.0), Shot(where=10.0, filter_width=0.01))
 MANY = (Shot(), Shot(where=1e4, opened=True), Shot("PERSP", 1e5), Shot(where=10.0, filter_width=0.01, opened=True))
 
 
-def foreseen(shot, samples=OF):
+def foreseen(shot):
     with pictures._shown(shot, check.SETUPS[0], pictures._numbers_material) as shown:
-        return rays.different_rays(shown, samples)
+        return rays.different_rays(shown)
 
 
 @pytest.mark.parametrize("shot", FEW, ids=str)
 def test_few_rays_are_foreseen_as_cycles_renders_them(instrument, shot):
-    """Rays that lie evenly fall on M places about as a grid of them does: up to half are cut by an edge."""
+    """Numbers are counted on a grid in one pixel: up to half the places there are cut by an edge."""
     counted = pictures.numbers(shot)
-    assert 1 < counted < OF / 2
+    assert 1 < counted < pictures.NUMBERS**2 / 2
     assert counted / 2 <= foreseen(shot) <= 2 * counted
 
 
 @pytest.mark.parametrize("shot", MANY, ids=str)
 def test_near_the_origin_in_perspective_or_by_an_aperture_all_rays_differ(instrument, shot):
-    """But for a few of 4096, which birthdays among M >= 2^22 places explain: 4096^2 / 2^23 = 2, 4 * sqrt(2) more."""
+    """But for a few of 4096, which birthdays among 2^22 places explain: 2 pairs, and 4 sqrt(2) more."""
+    pairs = rays.LOOKED_AT * (rays.LOOKED_AT - 1) / 2
     for count in (pictures.numbers(shot), foreseen(shot)):
-        assert count >= OF - 8
+        assert count >= pairs / 8
 
 
-def test_the_fewer_samples_the_fewer_rays_are_needed(instrument):
-    assert foreseen(Shot(), 1) == 1
-    assert foreseen(Shot(where=1e5), 64) == 1
+@pytest.mark.parametrize("places", [1, 30, 3000, 50000])
+def test_the_rays_that_differ_are_told_from_the_pairs_that_do_not(places):
+    """Also of more than are drawn. Pairs are known to the root of their number."""
+    drawn = np.random.default_rng(0).integers(0, places, rays.LOOKED_AT)
+    pairs = rays.LOOKED_AT**2 / 2 / places
+    found = rays.different(np.unique(drawn, return_counts=True)[1])
+    assert found == pytest.approx(places, rel=4.0 / pairs**0.5)
+
+
+def test_what_comes_up_more_often_counts_for_fewer():
+    """Half of all samples at one place meet as if there were but 4: the sum of p^2 is 1/4."""
+    assert rays.different(np.array([2**20, *[1] * 2**20])) == pytest.approx(4.0, rel=1e-5)
 
 
 def without_parametric(tree):
@@ -114,6 +123,29 @@ def test_the_panel_says_so_and_its_button_opens_the_aperture_a_little(far):
     assert camera.dof.focus_distance == pytest.approx(np.hypot(8.2, 1.2) - 1.0, abs=0.15)  # the ball's near side
     blur = rays.aperture(camera) / rays.focal_distance(far.camera) * 1024
     assert blur == pytest.approx(1 / 16, rel=1e-5)
+
+
+def test_the_panel_warns_of_as_few_samples_as_gain_noise(far):
+    """With M rays N samples have the noise of 1 / (1 / N + 1 / M): 6 % more at M = 8 N."""
+    found = rays.different_rays(far)
+    for samples, warned in ((int(found / 8), False), (int(found / 8) + 1, True)):
+        far.cycles.samples = samples
+        assert bool(named(far)) == warned
+    far.cycles.samples = 256
+    (problem,) = named(far)
+    assert f"256 samples have the noise of {1.0 / (1.0 / 256 + 1.0 / found):.0f}" in problem.text
+
+
+def test_nobody_is_warned_of_more_samples_than_can_be_told(far):
+    far.camera.data.type = "PERSP"
+    far.cycles.samples = 2**24
+    assert named(far) == []
+
+
+def test_of_a_scene_in_motion_only_what_stands_still_is_spoken_of(far):
+    far.render.use_motion_blur = True
+    (problem,) = named(far)
+    assert "where nothing moves" in problem.text
 
 
 def test_what_draws_nothing_at_random_is_not_warned_of(far):

@@ -5,12 +5,15 @@ import json
 from dataclasses import replace
 from functools import partial
 
+import bpy
 import numpy as np
 import pytest
 
-from vgroove.addon import animation, check, material, presets
+from vgroove.addon import animation, check, gonio, material, presets, rays
+from vgroove.addon.check import Row
 from vgroove.addon.reference import Keyframes
 from vgroove.addon.report import stability
+from vgroove.addon.report import stability_pictures as pictures
 from vgroove.addon.report.stability import Line, Seen, Shot
 from vgroove.nodegroups import random_numbers
 
@@ -77,10 +80,65 @@ def test_what_is_not_finite_negative_or_too_much_fails():
     assert judged(np.array([0.5, 1.0001]), most=None)["passed"]
 
 
-def test_a_stated_limit_excuses_bias_but_no_negative_or_broken_number():
-    for value, passed in ((1.5, True), (-1.0, False), (np.nan, False)):
-        line = Line("", "", (0.0,), lambda *_, value=value: Seen(np.array([value]), limit="as stated"))
-        assert stability.judged(line, 0.0, check.SETUPS[0])["passed"] == passed
+def test_a_stated_limit_excuses_bias_but_nothing_else():
+    """No light beyond what came, nothing negative or broken, and not what it states itself."""
+    row = Row("", check.SETUPS[0], "", 0.0, [view(np.full((32, 32, 3), 0.6))])
+    for value, holds, passed in ((0.5, True, True), (0.5, False, False), (1.5, True, False), (-1.0, True, False)):
+        for limit in ("", "as stated"):
+            seen = Seen(np.array([value]), row=row, limit=limit, more={"holds": holds})
+            line = Line("", "", (0.0,), lambda *_, seen=seen: seen, unbiased=True)
+            assert stability.judged(line, 0.0, check.SETUPS[0])["passed"] == (passed and bool(limit))
+
+
+def view(image):
+    """Expected to be 0.5 everywhere."""
+    return check.View(gonio.Geometry(), image, np.full(image.shape, 0.5), variance=np.full(image.shape, 1e-4))
+
+
+def test_numbers_that_json_cannot_hold_are_null():
+    seen = Seen(np.array([0.5]), more={"noise": float("nan"), "lost": float("inf"), "rays": 3.0})
+    found = stability.judged(Line("", "", (0.0,), lambda *_: seen), 0.0, check.SETUPS[0])
+    assert (found["noise"], found["lost"], found["rays"]) == (None, None, 3.0)
+    json.dumps(found, allow_nan=False)
+
+
+def test_few_rays_excuse_the_noise_they_make_and_none_besides(instrument):
+    """More than N / M explains fails, and so does less than samples have, and bias."""
+    mean, _ = pictures.moments()
+    for shot in (Shot(where=1e4), Shot(where=10.0, filter_width=0.01)):
+        photo, shared = pictures.photo(shot, check.SETUPS[0]), pictures.sharing(shot)
+        assert photo.warned
+        image = photo.row.views[0].measured
+        assert pictures.is_explained(image, shared)
+        law = 1.0 + pictures.SAMPLES / shared.pixel
+        for noise in (0.3, 1.5 * law**0.5):
+            assert not pictures.is_explained(mean + (image - mean) * noise / photo.noise, shared)
+        assert not pictures.is_explained(image * 1.02, shared)
+
+
+def test_a_panel_that_foresees_the_wrong_rays_fails(instrument, monkeypatch):
+    line = Line("", "", (Shot(where=1e4),), stability.picture, unbiased=True)
+    assert stability.judged(line, Shot(where=1e4), check.SETUPS[0])["passed"]
+    right = rays.different_rays
+    monkeypatch.setattr(rays, "different_rays", lambda shown: 4.0 * right(shown))
+    assert not stability.judged(line, Shot(where=1e4), check.SETUPS[0])["passed"]
+
+
+@pytest.mark.parametrize("estimator", ["direct", "closure", "fit", "corrected"])
+def test_one_percent_in_the_formula_fails_at_grazing_light(instrument, monkeypatch, estimator):
+    """By OSL, where Cycles' own lobes have the very Fresnel term in Blender 4.5 too."""
+    light = partial(stability.grazing_light, estimator, 0.3)
+    assert light(89.9, check.SETUPS[2]).more["holds"]
+    right = stability.rendered
+    monkeypatch.setattr(stability, "rendered", lambda *of: lambda wi, wo: 1.01 * right(*of)(wi, wo))
+    assert not light(89.9, check.SETUPS[2]).more["holds"]
+
+
+def test_a_sun_too_low_to_be_driven_is_a_stated_limit(instrument):
+    """Blender 5.2 alone has it so."""
+    seen = stability.grazing_light("direct", 0.3, stability.NEAREST, check.SETUPS[0])
+    assert seen.more["holds"]
+    assert bool(seen.limit) == (bpy.app.version >= (5, 2, 0))
 
 
 @pytest.mark.parametrize("factor", [0.98, 1.02])

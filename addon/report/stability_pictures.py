@@ -19,7 +19,7 @@ from mathutils import Vector
 from ... import nodegroups
 from ...nodegroups import random_numbers
 from .. import gonio, headless, rays, scene
-from ..check import Row, Setup, View, materials
+from ..check import SETUPS, Row, Setup, View, limit, materials
 from ..material import Choice, build
 from ..reference import albedo
 from ..reference.quadrature import vgroove_albedo
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 SIZE, SAMPLES = 32, 64
 PIXEL = 1.0 / 256.0
 NUMBERS = 64  # rays across one pixel, whose random numbers are counted
+SEEDS = 8  # one-sample pictures of the numbers, of which 28 pairs a pixel
+SHARED = 16  # pictures at most, over all setups, that are judged by what their samples share
 SLOPE = 0.6
 COPIES, APART = 64, 16.0  # instances in a row, and how far apart in units of the scale
 # Toward the camera, 60 degrees from the plane's normal and along no axis, so that all three coordinates round
@@ -66,8 +68,8 @@ class Photo:
 
     row: Row
     noise: float  # root mean square of what pixels are off by, over what their samples explain
-    numbers: int  # that differ, of NUMBERS^2 rays across one pixel
-    rays: int  # the same as ``rays`` foresees it
+    numbers: float  # that differ, of NUMBERS^2 rays across one pixel: M of ``rays``
+    rays: float  # the same as ``rays`` foresees it
     warned: str  # what the panel says
 
 
@@ -75,10 +77,8 @@ def photo(shot: Shot, setup: Setup) -> Photo:
     """The plane by ``mirror``, and the random numbers of one pixel."""
     fresnel = materials()["white"].with_parameters(m=SLOPE)
     with _shown(shot, setup, lambda: build(fresnel, Choice(setup.backend, "mirror"))) as shown:
-        shown.cycles.samples = NUMBERS**2
-        foreseen = rays.different_rays(shown, NUMBERS**2)
+        foreseen = rays.different_rays(shown)
         warned = [problem.text for problem in scene.problems(shown, setup.backend, "mirror") if problem.key == "rays"]
-        shown.cycles.samples = SAMPLES
         with headless.quiet():
             image = gonio.rendered(shown).astype(np.float64)
     mean, square = moments()
@@ -98,15 +98,76 @@ def moments() -> tuple[float, float]:
     return float(albedo(model, wo)[0, 0]), float(vgroove_albedo(wo, SLOPE, white, moment=2)[0, 0])
 
 
-def numbers(shot: Shot) -> int:
-    """How many random numbers of NUMBERS^2 rays across one pixel differ: a picture of the numbers themselves."""
-    nodes = Setup("nodes", shading_osl=False)
-    with _shown(shot, nodes, _numbers_material, across=1) as shown:
+def numbers(shot: Shot) -> float:
+    """How many random numbers of NUMBERS^2 rays across one pixel differ: M of ``rays``, by a picture of the numbers."""
+    return rays.different(_counts(_numbers(shot, random_numbers.build)))
+
+
+@cache
+def _numbers(shot: Shot, _build: Callable[..., None]) -> NDArray[np.float32]:
+    """The same in every setup. By what builds the node group, too: a test may put another in its place."""
+    with _shown(shot, SETUPS[0], _numbers_material, across=1) as shown:
         shown.cycles.samples = 1
         shown.render.resolution_x = shown.render.resolution_y = NUMBERS
         with headless.quiet():
-            image = gonio.rendered(shown)
-    return len(np.unique(image.reshape(-1, 3), axis=0))
+            return gonio.rendered(shown)
+
+
+def _counts(image: NDArray[np.float32]) -> NDArray[np.int64]:
+    return np.unique(image.reshape(-1, 3), axis=0, return_counts=True)[1]
+
+
+@dataclass(frozen=True)
+class Sharing:
+    """How many random numbers differ, of 1 over the chance that two samples share theirs.
+
+    pixel: of samples of one pixel, any in the picture. pairs: that were found alike there. picture: of any two samples.
+    """
+
+    pixel: float
+    pairs: int
+    picture: float
+
+
+def sharing(shot: Shot) -> Sharing:
+    """By pictures of the numbers, one sample each, as the pixel filter draws them."""
+    return _sharing(shot, random_numbers.build)
+
+
+@cache
+def _sharing(shot: Shot, _build: Callable[..., None]) -> Sharing:
+    images = []
+    with _shown(shot, SETUPS[0], _numbers_material) as shown:
+        cycles = shown.cycles
+        cycles.samples, cycles.use_sample_subset = 2, True
+        cycles.sample_offset = cycles.sample_subset_length = 1  # the second, as the first is always in the middle
+        for seed in range(SEEDS):
+            cycles.seed = seed
+            with headless.quiet():
+                images.append(gonio.rendered(shown))
+    drawn = np.stack(images)
+    first, second = np.triu_indices(SEEDS, 1)
+    alike = int(np.sum(np.all(drawn[first] == drawn[second], axis=-1)))
+    return Sharing(first.size * SIZE**2 / max(alike, 1), alike, rays.different(_counts(drawn)))
+
+
+def is_explained(image: NDArray[np.float64], shared: Sharing) -> bool:
+    """Whether a picture whose samples share random numbers has the noise of that, and no bias beyond it.
+
+    noise^2 / (v / N), with M that differ in a pixel, is at least 1 and N / M, and at most 1 + N / M (``rays``). By n
+    pixels it is known to the root of (k - 1) / n, k the kurtosis of one sample: a mean of several has less. Of pixels
+    that share all their numbers one counts: with Q that differ in the picture, Q / M. M itself is of a count of pairs.
+    The mean over the picture has the variance v (1 / (n N) + 1 / Q).
+    """
+    (mean, square), kurtosis = moments(), _kurtosis()
+    off, variance = image[..., 0] - mean, square - mean**2
+    bar = limit(2 * SHARED)
+    noise = float(np.mean(off**2)) * SAMPLES / variance
+    known = bar * ((kurtosis - 1.0) / min(off.size, shared.picture / shared.pixel)) ** 0.5
+    counted, more = bar / max(shared.pairs, 1) ** 0.5, SAMPLES / shared.pixel
+    least, most = max(1.0, more * (1.0 - counted)) * (1.0 - known), (1.0 + more * (1.0 + counted)) * (1.0 + known)
+    bias = bar * (variance * (1.0 / (off.size * SAMPLES) + 1.0 / shared.picture)) ** 0.5
+    return bool(least <= noise <= most and abs(float(off.mean())) <= bias)
 
 
 def _numbers_material() -> Material:
@@ -121,6 +182,15 @@ def _numbers_material() -> Material:
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
     made.cycles.emission_sampling = "NONE"
     return made
+
+
+@cache
+def _kurtosis() -> float:
+    """Of what one sample of the plane is worth."""
+    wo = np.array([[np.hypot(VIEW.x, VIEW.y), 0.0, VIEW.z]])
+    white = materials()["white"].reference_fresnel()
+    a, b, c, d = (float(vgroove_albedo(wo, SLOPE, white, moment=moment)[0, 0]) for moment in (1, 2, 3, 4))
+    return (d - 4.0 * a * c + 6.0 * a**2 * b - 3.0 * a**4) / (b - a**2) ** 2
 
 
 @contextmanager
