@@ -4,7 +4,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from vgroove.addon.reference import (
@@ -138,6 +138,7 @@ def test_beyond_its_range_a_trajectory_holds_its_ends():
 @given(
     start=st.floats(0.0, 1.0), end=st.floats(0.0, 1.0), scale=st.floats(-9.0, 9.0), t=st.floats(-1e300, 1e300),
 )  # fmt: skip
+@example(start=0.0, end=1.0, scale=9.0, t=1.797693134862316e299)
 @settings(max_examples=300, deadline=None)
 def test_laws_stay_between_their_ends_at_any_rate_and_time(start, end, scale, t):
     """Finite, no overshoot, for rates of 1e-9 to 1e9 and every time."""

@@ -88,8 +88,10 @@ def test_the_nearest_bsdf_has_the_numbers_of_its_preset():
 
 
 def test_every_subject_of_the_report_has_a_peer_that_says_how_it_differs():
-    """Whatever accuracy renders, and the smooth forms of it."""
+    """Whatever accuracy renders, and the smooth forms of it; car paint and what scatters below have none."""
     for preset in contenders.subjects().values():
+        if preset.model in {"car_paint", "translucent"}:
+            continue
         assert mitsuba_peer.nearest(preset)["type"] in mitsuba_peer.DIFFERS
         if "m" in preset.parameters:
             assert mitsuba_peer.nearest(preset.with_parameters(m=0.0))["type"] in mitsuba_peer.DIFFERS

@@ -21,11 +21,13 @@ def test_a_record_goes_on(path):
     assert begun(path, "5.2.3", quick=False).cells == {"a/b": {"n": 1.5}}
 
 
-@pytest.mark.parametrize("of", ["code", "versions", "vgroove", "quick"])
-def test_what_else_was_measured_is_not_mixed_in(path, of):
+@pytest.mark.parametrize(
+    ("of", "other"), [("code", "another"), ("versions", {}), ("vgroove", "9.9.9"), ("quick", True)]
+)
+def test_what_else_was_measured_is_not_mixed_in(path, of, other):
     begun(path, "5.2.3", quick=False).keep("a/b", {})
     content = json.loads(path.read_text())
-    content["runs"]["5.2.3"][of] = "another"
+    content["runs"]["5.2.3"][of] = other
     path.write_text(json.dumps(content))
     with pytest.raises(ReportError, match=f"of other {of}; choose another folder"):
         begun(path, "5.2.3", quick=False)

@@ -154,7 +154,8 @@ class Power:
             raise ValueError(message)
 
     def __call__(self, t: ArrayLike) -> Floats:
-        part = np.minimum(_since(t, self.begin) / (self.finish - self.begin), 1.0)
+        length = self.finish - self.begin
+        part = np.minimum(_since(t, self.begin), length) / length
         return _between(self.start, self.end, part**self.exponent)
 
     def events(self) -> Floats:
@@ -213,8 +214,9 @@ class Keys:
         t, times, values = as_finite(t, "t"), np.asarray(self.times, float), np.asarray(self.values, float)
         if times.size == 1:
             return np.broadcast_to(values[0], t.shape + values.shape[1:]).copy()
+        t = np.clip(t, times[0], times[-1])
         k = np.clip(np.searchsorted(times, t, side="right") - 1, 0, times.size - 2)
-        part = np.clip((t - times[k]) / (times[k + 1] - times[k]), 0.0, 1.0)
+        part = (t - times[k]) / (times[k + 1] - times[k])
         part = part[..., None] if values.ndim == 2 else part
         before, after = values[k], values[k + 1]
         if self.geometric:
