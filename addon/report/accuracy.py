@@ -51,7 +51,7 @@ QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
 LIT = ("environment", "softbox", "sun")
 PAIRS = (
     *((name, of) for of in ("copper", "plaster", "plastic") for name in ("furnace", *LIT)),
-    *((name, of) for of in ("satin", "rough") for name in ("environment", "softbox")),
+    *((name, of) for of in ("satin", "rough") for name in LIT),
     ("environment", "paint"),
     ("softbox", "paint"),
     ("environment", "marble"),
