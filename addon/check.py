@@ -18,12 +18,12 @@ from scipy.stats import norm
 from scipy.stats import t as student
 
 from . import gonio, headless
+from .advice import native_fresnel_error
 from .material import NATIVE
 from .presets import Preset, find, parse
 from .reference import CookTorrance, albedo, cook_torrance, rendered
 from .reference.directions import dot
 from .reference.quadrature import gauss_legendre, vgroove_albedo
-from .scene import native_fresnel_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

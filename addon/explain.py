@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..nodegroups import eevee
-from . import animation, scene
+from . import animation, automatic
 from . import lamps as lamp_binding
 from .animation import Play
-from .material import NATIVE, RANDOM, Choice, absorbs, build
+from .material import NATIVE, RANDOM, Choice, absorbs, build, lamps_to_bind
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -69,12 +69,12 @@ def explain(preset: Preset, shown: Scene, backend: str, estimator: str = "auto")
     return Account(made, choice, lines)
 
 
-def chosen(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> tuple[Choice, scene.Pick]:
+def chosen(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> tuple[Choice, automatic.Pick]:
     """How ``preset`` is built in ``shown``, and why by that estimator."""
-    pick = scene.Pick(estimator, "it was asked for")
+    pick = automatic.Pick(estimator, "it was asked for")
     if estimator == "auto":
-        pick = scene.pick(shown, preset.m, preset.model, backend)
-    return Choice(backend, pick.estimator, scene.lamps_to_bind(shown, pick.estimator, preset.model)), pick
+        pick = automatic.pick(shown, preset, backend)
+    return Choice(backend, pick.estimator, lamps_to_bind(shown, pick.estimator, preset.model)), pick
 
 
 def size_of(made: Material) -> Size:

@@ -48,7 +48,7 @@ from .timeline import Timeline
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from bpy.types import FCurve, Material, Node, NodeSocket, Object, ShaderNodeTree
+    from bpy.types import FCurve, Material, Node, NodeSocket, Object, Scene, ShaderNodeTree
 
     from ..nodegroups._tree import Tree
 
@@ -94,6 +94,12 @@ def binds(estimator: str, lamp_size: float, model: str = "cook_torrance") -> boo
     if model in TRANSPARENT:
         return False
     return estimator in EVERY_LAMP or (estimator not in NATIVE and lamp_size == 0.0)
+
+
+def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") -> tuple[Object, ...]:
+    """The strongest lamps that the material evaluates itself, as ``binds`` says for their size."""
+    followed = [item for item in lamp_binding.of_scene(scene) if lamp_binding.refusal(item) is None]
+    return tuple(item for item in followed if binds(estimator, lamp_binding.size(item), model))[: lamp_binding.LIMIT]
 
 
 class MaterialError(ValueError):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vgroove.addon import scene
+from vgroove.addon import automatic
 from vgroove.addon.material import KEY, Choice, build, origin_of, plays
 from vgroove.addon.presets import shipped
 
@@ -69,8 +69,8 @@ def test_appended_materials_render_as_those_built_directly(balls, blender, libra
     """To the last digit: the same nodes with the same numbers, in an empty file."""
     members = [preset for preset in shipped().values() if preset.family == family]
 
-    def built(stage):
-        return [build(p, Choice("nodes", scene.pick_estimator(stage, p.m, p.model))) for p in members]
+    def built(_stage):
+        return [build(p, Choice("nodes", automatic.anywhere(p))) for p in members]
 
     direct = balls(built, lit="above")
     blender.ops.wm.read_factory_settings(use_empty=True)

@@ -8,7 +8,7 @@ import shutil
 import numpy as np
 import pytest
 
-from vgroove.addon import headless, images, scene
+from vgroove.addon import assignment, headless, images, scene
 from vgroove.addon.batch import task as batch_task
 from vgroove.addon.batch.job import parse
 from vgroove.addon.batch.outcome import RECORD
@@ -139,7 +139,7 @@ def test_materials_of_objects_are_their_own(blender, gate):
     """Though two of a task be the same at first, and the scene have such a one of its own."""
     with headless.quiet():
         shown = blender.context.scene
-        scene.assign(shown, [("Floor", find("metals/gold"))], "nodes", "fit", 0.005)
+        assignment.assign(shown, [("Floor", find("metals/gold"))], "nodes", "fit", 0.005)
         blender.ops.wm.save_mainfile()
     text = (
         SMALL + 'scene = "gate.blend"\nestimator = "fit"\nobject = "Ball"\npreset = ["metals/gold", "metals/copper"]\n'

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from vgroove.addon import material, scene
+from vgroove.addon import automatic, material
 from vgroove.addon.material import Choice, build
 from vgroove.addon.presets import all_presets
 
@@ -16,7 +16,7 @@ FAMILIES = sorted({preset.family for preset in all_presets().values()})
 
 
 def by_auto(members, backend, stage):
-    return [build(p, Choice(backend, scene.pick_estimator(stage, p.m, p.model, backend))) for p in members]
+    return [build(p, Choice(backend, automatic.pick_estimator(stage, p, backend))) for p in members]
 
 
 def family(name):

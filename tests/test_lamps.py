@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from vgroove import nodegroups
-from vgroove.addon import check, gonio, headless, lamps, material, scene
+from vgroove.addon import advice, check, gonio, headless, lamps, material
+from vgroove.addon.material import lamps_to_bind
 from vgroove.nodegroups import lamp as lamp_group
 from vgroove.nodegroups import osl_script, random_numbers
 
@@ -143,7 +144,7 @@ def test_a_lamp_group_casts_the_shadow_of_cycles_own_lamp(blender, empty_materia
     if not traced:
         blender.context.scene.render.engine = "CYCLES"
         blender.context.scene.collection.objects.link(make_lamp(blender, kind))
-        found = scene.problems(blender.context.scene, "nodes", "direct")
+        found = advice.problems(blender.context.scene, "nodes", "direct")
         assert any(problem.key == "shadows" for problem in found)
         assert dark.any()
         return
@@ -568,7 +569,7 @@ def test_what_cannot_be_followed_is_refused_in_one_line(blender):
         assert "\n" not in refused
         with pytest.raises(material.MaterialError, match=word):
             material.Choice("nodes", "direct", (item,))
-    assert scene.lamps_to_bind(stage, "direct") == ()
+    assert lamps_to_bind(stage, "direct") == ()
 
 
 def test_at_most_eight_lamps_are_bound_the_strongest_first(blender):
@@ -579,10 +580,10 @@ def test_at_most_eight_lamps_are_bound_the_strongest_first(blender):
         item = make_lamp(blender, "SUN", f"Sun {index}")
         item.data.energy = 1.0 + index
         stage.collection.objects.link(item)
-    taken = scene.lamps_to_bind(stage, "direct")
+    taken = lamps_to_bind(stage, "direct")
     assert [item.name for item in taken] == [f"Sun {index}" for index in range(9, 1, -1)]
-    advice = next(p for p in scene.problems(stage, "nodes", "direct") if p.key == "limit")
-    assert "Sun 1, Sun 0" in advice.text
+    (said,) = (p for p in advice.problems(stage, "nodes", "direct") if p.key == "limit")
+    assert "Sun 1, Sun 0" in said.text
     with pytest.raises(material.MaterialError, match="at most 8"):
         material.Choice("nodes", "direct", tuple(stage.objects)[:9])
 

@@ -7,9 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from vgroove.addon import check, gonio, headless, material, presets, scene
-from vgroove.addon.material import Choice, MaterialError, build
-from vgroove.nodegroups import lamp
+from vgroove.addon import automatic, check, gonio, headless, material, presets
+from vgroove.addon.material import Choice, MaterialError, build, lamps_to_bind
 
 pytestmark = pytest.mark.blender
 
@@ -164,23 +163,6 @@ def test_mirror_with_a_lamp_of_zero_size_sees_it_by_the_formula(blender):
     np.testing.assert_allclose(images[1], images[0], rtol=1e-6)  # an Add Shader between: one rounding
 
 
-def test_auto_takes_the_formula_at_lamps_and_else_what_adds_no_noise(blender):
-    """And says why; each model has its own."""
-    stage = blender.context.scene
-    assert scene.pick_estimator(stage) == "fit"
-    assert scene.pick_estimator(stage, 0.0, "glass") == "mirror"
-    assert scene.pick_estimator(stage, 0.3, "oren_nayar") == "fit"
-    assert scene.pick_estimator(stage, 2.0) == "mirror"
-    area = blender.data.lights.new("Area", "AREA")
-    stage.collection.objects.link(blender.data.objects.new("Area", area))
-    expected = "corrected" if lamp.can_cast_shadows() else "fit"  # 4.5 has no Raycast node for its shadows
-    assert scene.pick_estimator(stage) == expected
-    assert ("lamps are exact" in scene.pick(stage).why) == (expected == "corrected")
-    area.cycles.use_multiple_importance_sampling = False
-    assert scene.pick_estimator(stage, 2.0) == "corrected"
-    assert scene.pick_estimator(stage, 0.3, "glass") == "closure"
-
-
 def one_of_each():
     """The first preset of every other model that builds its tree in its own way; test_every_preset.py has them all."""
     found = {}
@@ -222,8 +204,8 @@ def test_every_model_renders_finite_light_by_what_auto_picks(blender, preset):
         item.location = (0, 0, 4)
         stage.collection.objects.link(item)
         stage.view_layers[0].update()
-        estimator = scene.pick_estimator(stage, preset.m, preset.model)
-        bound = scene.lamps_to_bind(stage, estimator, preset.model)
+        estimator = automatic.pick_estimator(stage, preset)
+        bound = lamps_to_bind(stage, estimator, preset.model)
         gonio._patch(stage, build(preset, Choice("nodes", estimator, bound)))
         camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
         camera.location = (0, 0, 3)

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from vgroove.addon import check, gonio, headless, rays, scene
+from vgroove.addon import advice, check, gonio, headless, rays, scene
 from vgroove.addon.report import stability_pictures as pictures
 from vgroove.addon.report.stability_pictures import Shot
 from vgroove.nodegroups import random_numbers
@@ -110,7 +110,7 @@ def far(blender):
 
 
 def named(shown, estimator="mirror", **more):
-    return [problem for problem in scene.problems(shown, "nodes", estimator, **more) if problem.key == "rays"]
+    return [problem for problem in advice.problems(shown, "nodes", estimator, **more) if problem.key == "rays"]
 
 
 def test_the_panel_says_so_and_its_button_opens_the_aperture_a_little(far):

@@ -3,7 +3,8 @@
 
 import pytest
 
-from vgroove.addon import headless, lamps, material, presets, scene
+from vgroove.addon import advice, automatic, headless, lamps, material, presets, scene
+from vgroove.addon.material import lamps_to_bind
 from vgroove.addon.reference.hybrid import DEFAULT_BOUND
 from vgroove.nodegroups.lamp import can_cast_shadows
 
@@ -87,38 +88,38 @@ def test_each_problem_is_found_and_its_button_mends_it(stage, key, estimator):
     Of light that random rays cannot find, ``hybrid`` says that only the share of its ``fit`` is seen.
     """
     stage.cycles.shading_system = True
-    assert scene.problems(stage, "osl", estimator) == []
+    assert advice.problems(stage, "osl", estimator) == []
     SPOILERS[key](stage)
-    (problem,) = scene.problems(stage, "osl", estimator)
+    (problem,) = advice.problems(stage, "osl", estimator)
     assert problem.key == key
     assert "\n" not in problem.text
     assert ("but Fit's share" in problem.text) == (estimator == "hybrid" and key in {"size", "mis", "world"})
     assert problem.button
     problem.mend()
-    assert scene.problems(stage, "osl", estimator) == []
+    assert advice.problems(stage, "osl", estimator) == []
 
 
 @pytest.mark.parametrize("device", ["HIP", "CUDA", "METAL"])
 def test_osl_on_a_gpu_that_cannot_run_it_is_said_and_mended(stage, monkeypatch, device):
     """OptiX can; so can the CPU, to which the button goes. (The device is named here, as there is none.)"""
-    monkeypatch.setattr(scene, "_compute_device", lambda: device)
+    monkeypatch.setattr(advice, "_compute_device", lambda: device)
     stage.cycles.shading_system, stage.cycles.device = True, "GPU"
-    assert scene.problems(stage, "nodes", "mirror") == []
-    (problem,) = scene.problems(stage, "osl", "mirror")
+    assert advice.problems(stage, "nodes", "mirror") == []
+    (problem,) = advice.problems(stage, "osl", "mirror")
     assert problem.key == "device"
     assert device in problem.text
     problem.mend()
-    assert scene.problems(stage, "osl", "mirror") == []
+    assert advice.problems(stage, "osl", "mirror") == []
     stage.cycles.device = "GPU"
-    monkeypatch.setattr(scene, "_compute_device", lambda: "OPTIX")
-    assert scene.problems(stage, "osl", "mirror") == []
+    monkeypatch.setattr(advice, "_compute_device", lambda: "OPTIX")
+    assert advice.problems(stage, "osl", "mirror") == []
 
 
 def test_closure_beyond_its_slope_and_direct_without_lamps_are_said(stage):
     for native in ("fit", "closure", "corrected"):
-        assert "slope" in [p.key for p in scene.problems(stage, "nodes", native, m=2.0)]
+        assert "slope" in [p.key for p in advice.problems(stage, "nodes", native, m=2.0)]
     stage.objects["Sun"].hide_render = True
-    assert "lamps" in [p.key for p in scene.problems(stage, "nodes", "direct")]
+    assert "lamps" in [p.key for p in advice.problems(stage, "nodes", "direct")]
 
 
 def test_the_preview_scene_suits_mirror_and_has_no_surprises(blender):
@@ -127,7 +128,7 @@ def test_the_preview_scene_suits_mirror_and_has_no_surprises(blender):
         shown = scene.preview()
     for backend in ("nodes", "osl"):
         shown.cycles.shading_system = backend == "osl"
-        found = [problem.key for problem in scene.problems(shown, backend, "mirror")]
+        found = [problem.key for problem in advice.problems(shown, backend, "mirror")]
         assert found == ([] if backend == "osl" or can_cast_shadows() else ["shadows"])
     assert len(scene.environments()) >= 5
 
@@ -165,13 +166,13 @@ def add_lamp(stage, name, kind="POINT", size=0.0):
 def test_a_lamp_added_after_a_material_is_said_and_bound_anew(stage, estimator):
     """What no ray can hit never vanishes silently; the new material keeps the numbers that an artist has turned."""
     preset = presets.find("lecture/copper")
-    bind = scene.lamps_to_bind(stage, estimator)
+    bind = lamps_to_bind(stage, estimator)
     ball = with_ball(stage, material.build(preset, material.Choice("nodes", estimator, bind, bound=0.01)))
     node = next(n for n in ball.active_material.node_tree.nodes if n.label == preset.name)
     node.inputs["Slope m"].default_value = 0.4
 
     def stale():
-        return [p for p in scene.problems_with(stage, preset, "nodes", estimator) if p.key.startswith("stale")]
+        return [p for p in advice.problems_with(stage, preset, "nodes", estimator) if p.key.startswith("stale")]
 
     assert stale() == []
     lamp = add_lamp(stage, "Late")
@@ -196,7 +197,7 @@ def test_what_is_linked_to_a_material_is_not_lost_by_a_button(stage):
     node = next(n for n in made.node_tree.nodes if n.label == preset.name)
     made.node_tree.links.new(made.node_tree.nodes.new("ShaderNodeTexNoise").outputs[0], node.inputs["Slope m"])
     add_lamp(stage, "Late")
-    (problem,) = (p for p in scene.problems_with(stage, preset, "nodes", "mirror") if p.key.startswith("stale"))
+    (problem,) = (p for p in advice.problems_with(stage, preset, "nodes", "mirror") if p.key.startswith("stale"))
     assert problem.mend is None
 
 
@@ -235,33 +236,34 @@ def test_lamps_that_do_not_light_the_render_are_not_bound(stage):
 def test_advice_on_the_preset_itself(stage):
     """What native lobes only approximate on this Blender, and for what reflectance Hybrid's bound was not computed."""
     steel = presets.parse(TEXT.format("n = 2.5\nk = 3.0"), "a/steel", "a")
-    keys = {e: [p.key for p in scene.problems_with(stage, steel, "nodes", e)] for e in ("fit", "mirror", "hybrid")}
-    approximate = scene.native_fresnel_error("conductor", "nodes") > 0
+    keys = {e: [p.key for p in advice.problems_with(stage, steel, "nodes", e)] for e in ("fit", "mirror", "hybrid")}
+    approximate = advice.native_fresnel_error("conductor", "nodes") > 0
     assert ("fresnel" in keys["fit"]) == ("fresnel" in keys["hybrid"]) == approximate
     assert "fresnel" not in keys["mirror"]
     for text, weak in (("eta = 1.2", True), ("eta = 0.7", True), ("f0 = 0.01", True), ("f0 = 0.04", False)):
         preset = presets.parse(TEXT.format(text), "a/b", "a")
-        assert ("bound" in [p.key for p in scene.problems_with(stage, preset, "osl", "hybrid")]) == weak
-        assert "bound" not in [p.key for p in scene.problems_with(stage, preset, "osl", "corrected")]
+        assert ("bound" in [p.key for p in advice.problems_with(stage, preset, "osl", "hybrid")]) == weak
+        assert "bound" not in [p.key for p in advice.problems_with(stage, preset, "osl", "corrected")]
 
 
 def test_bound_lamps_that_cast_no_shadow_are_said_for_every_estimator(stage):
     """On 4.5 nodes cannot trace."""
     add_lamp(stage, "Point")
     for estimator in ("mirror", "hybrid", "corrected", "direct"):
-        keys = [p.key for p in scene.problems(stage, "nodes", estimator)]
+        keys = [p.key for p in advice.problems(stage, "nodes", estimator)]
         assert ("shadows" in keys) == (not can_cast_shadows())
-        assert "shadows" not in [p.key for p in scene.problems(stage, "osl", estimator)]
+        assert "shadows" not in [p.key for p in advice.problems(stage, "osl", estimator)]
 
 
 def test_osl_corrects_lamps_where_nodes_would_lose_their_shadows(stage):
     """The choice knows the backend."""
-    assert scene.pick_estimator(stage, backend="osl") == "corrected"
-    assert scene.pick_estimator(stage, backend="nodes") == ("corrected" if can_cast_shadows() else "fit")
+    copper = presets.find("copper").with_parameters(m=0.6)
+    assert automatic.pick_estimator(stage, copper, "osl") == "corrected"
+    assert automatic.pick_estimator(stage, copper, "nodes") == ("corrected" if can_cast_shadows() else "fit")
 
 
 def test_glass_without_refractive_caustics_is_said(stage):
     stage.cycles.caustics_refractive = False
-    (problem,) = (p for p in scene.problems(stage, "nodes", "mirror", model="glass") if p.key == "refractive")
+    (problem,) = (p for p in advice.problems(stage, "nodes", "mirror", model="glass") if p.key == "refractive")
     problem.mend()
     assert stage.cycles.caustics_refractive

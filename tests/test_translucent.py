@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from vgroove.addon import check, headless, material, scene
+from vgroove.addon import advice, check, headless, material
 from vgroove.addon.check_seeds import furnace, furnace_directions
 from vgroove.addon.presets import PresetError, parse
 from vgroove.addon.reference import CookTorrance, Dielectric, Lambert, Sum, albedo
@@ -70,7 +70,7 @@ def test_a_white_furnace_is_near_the_sum_and_never_brightens(instrument, setup, 
     assert np.abs(seen / expected - 1.0)[up].max() < 0.2
     theta = np.arccos(furnace_directions()[:, 2])
     weight = (np.sin(theta) * np.cos(theta))[:, None]
-    off = scene.native_fresnel_error("dielectric", setup.backend)
+    off = advice.native_fresnel_error("dielectric", setup.backend)
     bound = 0.05 * np.sum(weight * expected, axis=0) + off * weight.sum()
     assert (np.abs(np.sum(weight * (seen - expected), axis=0)) <= bound).all()
 

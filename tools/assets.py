@@ -21,7 +21,7 @@ headless.prepare()
 import bpy  # noqa: E402 - after prepare()
 import numpy as np  # noqa: E402
 
-from vgroove.addon import animation, assets, material, presets, scene  # noqa: E402
+from vgroove.addon import animation, assets, automatic, material, presets  # noqa: E402
 from vgroove.addon.files import replacing  # noqa: E402
 
 if TYPE_CHECKING:
@@ -49,8 +49,8 @@ def title(family: str) -> str:
 
 
 def as_asset(preset: presets.Preset, name: str) -> bpy.types.Material:
-    """The material that Automatic would build where no lamps are, marked as an asset; what changes plays its course."""
-    estimator = scene.pick_estimator(bpy.context.scene, preset.m, preset.model)
+    """A material for any scene, marked as an asset; what changes plays its course."""
+    estimator = automatic.anywhere(preset)
     play = animation.Play() if preset.time else None
     made = material.build(preset, material.Choice("nodes", estimator, play=play))
     made.name = name

@@ -26,6 +26,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from vgroove.addon import check, material, presets, scene  # noqa: E402
+from vgroove.addon.material import lamps_to_bind  # noqa: E402
 
 NAMES = ("water", "plastic", "glass", "diamond", "copper", "aluminium")
 SAMPLES = 128
@@ -36,7 +37,7 @@ def render(preset: presets.Preset, path: Path) -> None:
     """One ball to ``path``."""
     with headless.quiet():
         shown = scene.preview()
-        lamps = scene.lamps_to_bind(shown, "mirror")
+        lamps = lamps_to_bind(shown, "mirror")
         made = material.build(preset, material.Choice("nodes", "mirror", lamps))
         material.apply(made, [shown.objects["Ball"]])
         scene.still(shown, path, samples=SAMPLES, seed=0, resolution=TILE)

@@ -27,8 +27,9 @@ headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
 
-from vgroove.addon import material, presets, scene  # noqa: E402
+from vgroove.addon import automatic, material, presets, scene  # noqa: E402
 from vgroove.addon.files import replacing  # noqa: E402
+from vgroove.addon.material import lamps_to_bind  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -139,8 +140,8 @@ def render(shown: bpy.types.Scene, preset: presets.Preset, path: Path) -> None:
     """One picture to ``path``; its material is removed again. What changes is shown when most of it has changed."""
     if preset.time is not None:
         preset = preset.at(float(preset.trajectory().time(SHOWN_AGE)))
-    estimator = scene.pick_estimator(shown, preset.m, preset.model)
-    lamps = scene.lamps_to_bind(shown, estimator, preset.model)
+    estimator = automatic.pick_estimator(shown, preset)
+    lamps = lamps_to_bind(shown, estimator, preset.model)
     made = material.build(preset, material.Choice("nodes", estimator, lamps))
     material.apply(made, [shown.objects["Body"]])
     path.parent.mkdir(parents=True, exist_ok=True)

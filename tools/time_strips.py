@@ -14,7 +14,8 @@ import bpy
 import previews  # prepares Blender
 from PIL import Image, ImageDraw, ImageFont
 
-from vgroove.addon import animation, headless, material, presets, scene
+from vgroove.addon import animation, automatic, headless, material, presets
+from vgroove.addon.material import lamps_to_bind
 
 if TYPE_CHECKING:
     from vgroove.addon.presets import Preset
@@ -26,8 +27,8 @@ SPREADING = {"rusting_iron": (6.0, 0.9), "copper_patina": (4.0, 0.8), "banana_ri
 
 def frames(shown: bpy.types.Scene, preset: Preset, clock: tuple[float, float] | None) -> list[Image.Image]:
     """The body at each moment; ``clock``: by noise of this scale, points are late by up to this much."""
-    estimator = scene.pick_estimator(shown, preset.m, preset.model)
-    lamps = scene.lamps_to_bind(shown, estimator, preset.model)
+    estimator = automatic.pick_estimator(shown, preset)
+    lamps = lamps_to_bind(shown, estimator, preset.model)
     length = MOMENTS - 1.0
     if clock:  # the last points start when the first have gone half their way
         length /= 1.0 + clock[1]

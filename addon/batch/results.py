@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 FILE = "results.csv"
 HEAD = ("task", "status", "seconds", "render_seconds", "samples", "error", "memory_mb", "tries", "label", "reason")
 MOST_ROWS = 20  # of a table for people
-# Of a plan, from bench/batch.py on the preview scene: seconds that a process takes to begin, and for a task beside its
-# samples; camera rays a second on one core; how many samples leave noise as large as the picture.
+# Of a plan, as the report's figures/batch has them of the preview scene: seconds that a process takes to begin, and for
+# a task beside its samples; camera rays a second on one core; how many samples leave noise as large as the picture.
 START, EACH, RAYS, NOISE = 4.0, 0.05, 2.5e5, 4.0
 BYTES = {"exr": 12, "png": 3}  # a pixel, before compression
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...nodegroups.osl_script import OslError
-from .. import scene
+from .. import assignment, scene
 from ..images import SPARE, attribute, digest, digest_of_values, load, save
 from ..material import MaterialError
 from ..scene import SceneError
@@ -86,7 +86,7 @@ class Renderer:
         shown = self._scene(task)
         frame, samples, resolution = self._own
         shown.frame_set(frame if task.frame is None else task.frame)
-        scene.assign(shown, sorted(task.given), task.backend, task.estimator, task.bound, into=self._materials)
+        assignment.assign(shown, sorted(task.given), task.backend, task.estimator, task.bound, into=self._materials)
         began = time.perf_counter()
         size = task.resolution or resolution
         if task.error is None:

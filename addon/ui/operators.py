@@ -11,8 +11,9 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...nodegroups.osl_script import OslError
-from .. import animation, material, preset_files, presets, scene
+from .. import advice, animation, automatic, material, preset_files, presets
 from ..files import replacing
+from ..material import lamps_to_bind
 from ..preset_checks import PresetError
 from . import course, memory
 from .properties import chosen_preset
@@ -44,7 +45,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         estimator = chosen_estimator(context.scene)
         try:
             preset = chosen_preset(settings)
-            lamps = scene.lamps_to_bind(context.scene, estimator, preset.model)
+            lamps = lamps_to_bind(context.scene, estimator, preset.model)
             play = course.play_of(context.scene) if preset.time and context.scene.vgroove_course.play else None
             choice = material.Choice(settings.backend, estimator, lamps, bound=settings.bound / 100.0, play=play)
             made = material.build(preset, choice)
@@ -262,18 +263,18 @@ def chosen_estimator(shown: bpy.types.Scene) -> str:
     return chosen(shown).estimator
 
 
-def chosen(shown: bpy.types.Scene) -> scene.Pick:
+def chosen(shown: bpy.types.Scene) -> automatic.Pick:
     """The panel's estimator and, where ``auto`` picked it, why."""
     if shown.vgroove.estimator != "auto":
-        return scene.Pick(shown.vgroove.estimator, "")
+        return automatic.Pick(shown.vgroove.estimator, "")
     preset = chosen_preset(shown.vgroove)
-    return scene.pick(shown, preset.m, preset.model, shown.vgroove.backend)
+    return automatic.pick(shown, preset, shown.vgroove.backend)
 
 
-def current_problems(shown: bpy.types.Scene) -> list[scene.Problem]:
+def current_problems(shown: bpy.types.Scene) -> list[advice.Problem]:
     """What is wrong with the scene for the panel's choices."""
     preset = chosen_preset(shown.vgroove)
-    return scene.problems_with(shown, preset, shown.vgroove.backend, chosen_estimator(shown))
+    return advice.problems_with(shown, preset, shown.vgroove.backend, chosen_estimator(shown))
 
 
 CLASSES = (
