@@ -5,7 +5,7 @@ UV := $(shell command -v uv 2>/dev/null || echo .tools/uv/bin/uv)
 RUN = $(UV) run --quiet
 RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 
-.PHONY: demo test test-4.5 test-all lint check report bench previews assets package clean
+.PHONY: demo test test-4.5 test-all lint check report documents previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
@@ -35,8 +35,9 @@ report: | $(UV)  ## error against run time, stability, what was left out: number
 	@if $(UV) python find --quiet 3.11 >/dev/null; then $(RUN_45) vgroove report -o build/report; \
 	else echo "no Python 3.11: Blender 4.5 is left out"; fi
 
-bench: | $(UV)  ## time of each estimator and backend over Cycles' own Metallic BSDF
-	$(RUN) python bench/estimators.py
+documents: | $(UV)  ## what `make report` measured into docs/, and its figures into the pages that tell them
+	cp build/report/report.json docs/report.json
+	$(RUN) vgroove report --from docs/report.json --documents .
 
 previews: | $(UV)  ## a picture of every preset that has none yet or has changed, for the panel and the asset library
 	$(RUN) python tools/previews.py

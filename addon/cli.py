@@ -63,6 +63,16 @@ class Driving(StrEnum):
     AGE = "age"
 
 
+class Part(StrEnum):
+    """Of a report."""
+
+    ACCURACY = "accuracy"
+    PICKS = "picks"
+    STABILITY = "stability"
+    LEFT_OUT = "left_out"
+    FIGURES = "figures"
+
+
 class InputError(ValueError):
     """Bad input in one line: what, where, how to mend it."""
 
@@ -182,7 +192,7 @@ def render(
         message = "--assign goes with a SCENE.blend; the preview scene shows the preset itself"
         raise InputError(message)
     _with_blender()
-    from . import animation, headless, scene
+    from . import animation, assignment, headless, scene
 
     play = None
     if span:
@@ -190,7 +200,7 @@ def render(
     with headless.quiet():
         shown = scene.opened(Path(what)) if is_scene else scene.preview()
         shown.cycles.samples = samples or (shown.cycles.samples if is_scene else PREVIEW_SAMPLES)
-        warnings = scene.assign(shown, changed, str(backend), str(estimator), bound, play, where="--assign ")
+        warnings = assignment.assign(shown, changed, str(backend), str(estimator), bound, play, where="--assign ")
     for text in warnings:
         err.print(f"warning: {text}", highlight=False, markup=False, soft_wrap=True)
     if not is_scene:
@@ -383,20 +393,20 @@ def explain(
         message = f"{in_scene}: no such scene; name a .blend file"
         raise InputError(message)
     _with_blender()
+    from . import advice, headless, scene
     from . import explain as explaining
-    from . import headless, scene
     from .report import universal
 
     with headless.quiet():
         shown = scene.opened(in_scene) if in_scene else scene.preview()
         shown.cycles.samples = samples or (shown.cycles.samples if in_scene else PREVIEW_SAMPLES)
         account = explaining.explain(preset, shown, str(backend), str(estimator))
-        advice = [problem.text for problem in scene.problems_with(shown, preset, str(backend), account.estimator)]
+        advised = [problem.text for problem in advice.problems_with(shown, preset, str(backend), account.estimator)]
         made = {"built": account.material, "universal": universal.build(account.choice)}
     size = {which: asdict(explaining.size_of(of)) for which, of in made.items()}
     if as_json:
         said = {"material": account.material.name, "estimator": account.estimator, "backend": str(backend)}
-        print(json.dumps(said | {"lines": [asdict(line) for line in account.lines], "size": size, "advice": advice}))
+        print(json.dumps(said | {"lines": [asdict(line) for line in account.lines], "size": size, "advice": advised}))
         return
     for title, kept in ((account.material.name, True), ("left out", False)):
         table = Table(title, "why")
@@ -409,7 +419,7 @@ def explain(
         if size["universal"][what]:
             table.add_row(label, *(str(of[what]) for of in size.values()))
     out.print(table)
-    for text in advice:
+    for text in advised:
         out.print(f"advice: {text}", highlight=False, markup=False)
 
 
@@ -622,8 +632,17 @@ def report(
     quick: Annotated[
         bool, typer.Option("--quick", help="A few minutes instead of an hour: less of everything")
     ] = False,
+    again: Annotated[
+        list[Part] | None, typer.Option("--again", help="Measure this part anew; as often as there are parts")
+    ] = None,
     source: Annotated[
         Path | None, typer.Option("--from", metavar="REPORT.json", help="Draw anew, and render nothing")
+    ] = None,
+    documents: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="With --from: write its figures into README.md and docs/*.md of this checkout"
+        ),
     ] = None,
     compare: Annotated[
         tuple[Path, Path] | None,
@@ -637,18 +656,23 @@ def report(
     Exits 1 if a full report does not show what it must.
     """
     if compare is not None:
-        if output or source or quick:
-            message = "--compare reads two reports and writes none; leave -o, --from and --quick out"
+        if output or source or quick or again:
+            message = "--compare reads two reports and writes none; leave -o, --from, --quick and --again out"
             raise InputError(message)
         _compare(*compare)
         return
     if source is not None:
-        if quick:
-            message = "--from draws what is measured, and --quick says how to measure; give one of them"
+        if quick or again:
+            message = "--from draws what is measured; --quick and --again say what to measure: leave them out"
             raise InputError(message)
         _needs("matplotlib")
+        if documents:
+            _document(source, documents)
         _draw(source, output or source.absolute().parent)
         return
+    if documents:
+        message = "--documents writes what --from names; give --from REPORT.json"
+        raise InputError(message)
     if output is None:
         message = "give -o DIR to measure, --from REPORT.json to draw anew, or --compare A.json B.json"
         raise InputError(message)
@@ -657,7 +681,7 @@ def report(
 
     file = output / record.FILE
     _make(file)
-    begun = record.begun(file, _versions()["blender"], quick=quick)
+    begun = record.begun(file, _versions()["blender"], quick=quick, again=[str(part) for part in again or ()])
     failed = _measured(begun, output, quick=quick)
     _draw(file, output)
     if failed:
@@ -684,6 +708,13 @@ def _measured(begun: Record, folder: Path, *, quick: bool) -> list[str]:
         _say(f"{len(wanted) - len(run.missing(begun, wanted))} of {len(wanted)} measurements are kept in {begun.path}")
         raise
     return failed
+
+
+def _document(source: Path, folder: Path) -> None:
+    from .report import documents, findings
+
+    for path in documents.write(folder, findings.read(source)):
+        _say(f"wrote {path}")
 
 
 def _draw(source: Path, folder: Path) -> None:

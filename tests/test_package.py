@@ -80,7 +80,7 @@ def test_the_zip_holds_what_blender_needs_and_nothing_else(archive):
         assert needed in names
     assert sum(name.startswith("presets/") for name in names) >= 6
     for name in names:
-        assert not name.startswith(("tests/", "tools/", "bench/", "docs/", "build/", ".")), name
+        assert not name.startswith(("tests/", "tools/", "docs/", "build/", ".")), name
         assert "__pycache__" not in name
         assert name not in {"addon/cli.py", "addon/headless.py", "addon/check.py", "pyproject.toml", "Makefile"}
 

@@ -60,15 +60,30 @@ def test_every_subject_has_a_peer_and_every_model_a_subject():
     subjects = contenders.subjects()
     assert {preset.model for preset in subjects.values()} == set(BUILDERS)
     assert all(list(contenders.peers(preset)) for preset in subjects.values())
-    assert {of for _, of in accuracy.PAIRS} == set(subjects)
-    assert {name for name, _ in accuracy.PAIRS} == set(findings.SCENES)
+    assert {of for _, of in contenders.PAIRS} == set(subjects)
+    assert {name for name, _ in contenders.PAIRS} == set(findings.SCENES)
+
+
+@pytest.mark.blender
+def test_every_peer_is_made_of_the_presets_numbers(blender):
+    """Colours have an alpha, the three radii of a body have none."""
+    for preset in contenders.subjects().values():
+        for peer in contenders.peers(preset):
+            made = peer.make(blender.context.scene)
+            (bsdf,) = (node for node in made.node_tree.nodes if node.bl_idname.startswith("ShaderNodeBsdf"))
+            if preset.model == "translucent":
+                assert tuple(bsdf.inputs["Subsurface Radius"].default_value) == pytest.approx(
+                    preset.parameters["mean_free_path"]
+                )
+            else:
+                first = next(one for one in bsdf.inputs if one.name in {"Base Color", "Color"})
+                assert first.default_value[3] == 1.0
 
 
 @pytest.mark.blender
 def test_a_furnace_finds_mirror_without_bias_and_closure_with_its_own(tmp_path, monkeypatch, blender):
     """By the reference: mirror within 4 standard errors of none, closure off by what Smith's G keeps."""
-    monkeypatch.setattr(accuracy, "QUICK_COUNTS", (16, 64))
-    monkeypatch.setattr(accuracy, "BOTH_BACKENDS", "")
+    monkeypatch.setattr(contenders, "QUICK_COUNTS", (16, 64))
     found = accuracy.measure(tmp_path, "furnace", "rough", quick=True)
     mirror, closure = (found["contenders"][f"{name}, nodes"] for name in ("mirror", "closure"))
     for bias2, doubt in zip(mirror["bias2"], mirror["bias2_error"], strict=True):

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from .. import gonio, headless, images, scene
+from .. import gonio, headless, images
 from ..files import replacing
 from ..reference import albedo
 from . import contenders, mitsuba_peer, statistics
@@ -42,39 +42,30 @@ if TYPE_CHECKING:
 
 SIZE = 24
 SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
-COUNTS, QUICK_COUNTS = (4, 16, 64, 256, 1024, 4096), (16, 64, 256)
 PICTURE_SIZE, PICTURE_SAMPLES = 64, 64
 TRUTHS, FIRST_TRUTH = 4, 101  # how many, and the first one's seed
-WORLD_SAMPLES, LAMP_SAMPLES = 16384, 16384  # of each truth; a dim sky beside a lamp takes a sixteenth
+WORLD_SAMPLES, LAMP_SAMPLES = 16384, 16384  # of each truth
+DIM = 16  # a world that a lamp outshines takes this many times fewer
 QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
-# Not in the furnace: glass, which sends back all of it. By the map alone: subsurface scattering, as direct has none.
-LIT = ("environment", "softbox", "sun")
-PAIRS = (
-    *((name, of) for of in ("copper", "plaster", "plastic") for name in ("furnace", *LIT)),
-    *((name, of) for of in ("satin", "rough") for name in LIT),
-    ("environment", "paint"),
-    ("softbox", "paint"),
-    ("environment", "marble"),
-    ("checker", "frosted"),
-    ("checker", "glass"),
-)
-BOTH_BACKENDS = "copper"  # the others' OSL shaders differ in time alone, and by as much
-QUICK_PAIRS = (("furnace", "copper"), ("sun", "copper"), ("softbox", "plaster"))
+# OSL shaders differ in time alone, and elsewhere by as much.
+BOTH_BACKENDS = {("environment", "copper"), ("softbox", "copper")}
 
 
 def cells(*, quick: bool) -> list[Cell]:
-    pairs = QUICK_PAIRS if quick else PAIRS
-    return [Cell(f"accuracy/{name}/{of}", partial(measure, name=name, subject=of, quick=quick)) for name, of in pairs]
+    return [
+        Cell(f"accuracy/{name}/{of}", partial(measure, name=name, subject=of, quick=quick))
+        for name, of in contenders.pairs(quick=quick)
+    ]
 
 
 def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, Any]:
     """One scene and subject."""
-    counts = QUICK_COUNTS if quick else COUNTS
+    counts = contenders.counts(quick=quick)
     preset = contenders.subjects()[subject]
     with headless.quiet(), ExitStack() as stack:
         other, without = _mitsuba(stack, name, preset)
         with stage(name, SIZE) as shown:
-            backends = ("nodes", "osl") if subject == BOTH_BACKENDS else ("nodes",)
+            backends = ("nodes", "osl") if (name, subject) in BOTH_BACKENDS else ("nodes",)
             rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
             truths = truth(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
             found = _race(shown, rivals, counts)
@@ -82,12 +73,11 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, 
                 rivals.append(other.contender)
                 found[other.contender.label] = other.race(name, counts)
             scored = {rival.label: _scored(rival, found[rival.label], counts, truths, shown) for rival in rivals}
-            auto = [_picked(shown, preset, samples) for samples in counts]
         drawn = None if name == "furnace" else pictures(folder, name, subject, preset, other)
     return {
         "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m, "size": SIZE,
         "samples": list(counts), "seeds": [_seeds(samples) for samples in counts], "first_seed": 1,
-        "truth": _said(name), "first_truth_seed": FIRST_TRUTH, "without": without, "contenders": scored, "auto": auto,
+        "truth": _said(name), "first_truth_seed": FIRST_TRUTH, "without": without, "contenders": scored,
         "pictures": drawn,
     }  # fmt: skip
 
@@ -112,7 +102,7 @@ def _true(shown: Stage, preset: Preset, seed: int, fewer: int) -> NDArray[np.flo
         total += _render(shown, LAMP_SAMPLES // fewer, seed)[0]
         of.world = world
         lamp.hide_render = True
-        world_samples //= 16
+        world_samples //= DIM if shown.dim else 1
     shown.item.active_material = made["mirror"].make(of)
     total += _render(shown, world_samples, seed)[0]
     if lamp is not None:
@@ -226,11 +216,6 @@ def _scored(
         "cpu": [float(np.median(taken.cpu)) for taken in found],
         "cpu_spread": [float(np.std(taken.cpu, ddof=1) / np.mean(taken.cpu)) for taken in found],
     }  # fmt: skip
-
-
-def _picked(shown: Stage, preset: Preset, samples: int) -> str:
-    shown.scene.cycles.samples = samples
-    return scene.pick_estimator(shown.scene, preset.m, preset.model)
 
 
 def _said(name: str) -> str:

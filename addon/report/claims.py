@@ -41,6 +41,11 @@ def of(run: Run) -> list[Claim]:
 
 def _slope(run: Run) -> Claim | None:
     """Where rare events leave the slope less certain than the bar, it says nothing for or against the claim."""
+    seldom = [
+        contest.title
+        for contest, curve in run.curves
+        if curve.estimator == "mirror" and curve.competes and curve.seldom
+    ]
     slopes = {
         contest.title: curve.slope
         for contest, curve in run.curves
@@ -58,6 +63,8 @@ def _slope(run: Run) -> Claim | None:
         )
         if len(known) < len(slopes):
             found += f"; not known so well in {', '.join(title for title in slopes if title not in known)}"
+        if seldom:
+            found += f"; not told in {len(seldom)} whose lamp rays seldom hit"
     claim = f"The noise of mirror falls as samples to the power of {number(SLOPE)} ± {SLOPE_BAR:g}"
     return Claim(claim, "; but ".join([found, *([", ".join(off)] if off else [])]), bool(known) and not off)
 

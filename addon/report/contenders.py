@@ -6,8 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from .. import material, presets, scene
-from ..material import BUILDERS, Choice
+from .. import material, presets
+from ..material import BUILDERS, Choice, lamps_to_bind
 from .scenes import new_material
 
 if TYPE_CHECKING:
@@ -18,7 +18,31 @@ if TYPE_CHECKING:
     from ..presets import Preset
 
 
+COUNTS, QUICK_COUNTS = (4, 16, 64, 256, 1024, 4096), (16, 64, 256)
+# Not in the furnace: glass, which sends back all of it. By the map alone: subsurface scattering, as direct has none.
+LIT = ("environment", "softbox", "sun")
+PAIRS = (
+    *((name, of) for of in ("copper", "plaster", "plastic") for name in ("furnace", *LIT)),
+    *((name, of) for of in ("satin", "rough") for name in LIT),
+    *(("outdoors", of) for of in ("copper", "rough", "plaster")),
+    ("environment", "paint"),
+    ("softbox", "paint"),
+    ("environment", "marble"),
+    ("checker", "frosted"),
+    ("checker", "glass"),
+)
+QUICK_PAIRS = (("furnace", "copper"), ("sun", "copper"), ("softbox", "plaster"))
 LOBE = "GGX in place of Beckmann's D, and light lost between facets is given back"
+
+
+def pairs(*, quick: bool) -> tuple[tuple[str, str], ...]:
+    """Scenes and subjects that are rendered."""
+    return QUICK_PAIRS if quick else PAIRS
+
+
+def counts(*, quick: bool) -> tuple[int, ...]:
+    """Samples a pixel."""
+    return QUICK_COUNTS if quick else COUNTS
 
 
 def subjects() -> dict[str, Preset]:
@@ -63,7 +87,7 @@ def ours(preset: Preset, backends: tuple[str, ...], *, lamps: bool) -> Iterator[
 
 def _maker(preset: Preset, estimator: str, backend: str) -> Callable[[Scene], Material]:
     def make(shown: Scene) -> Material:
-        return material.build(preset, Choice(backend, estimator, scene.lamps_to_bind(shown, estimator, preset.model)))
+        return material.build(preset, Choice(backend, estimator, lamps_to_bind(shown, estimator, preset.model)))
 
     return make
 
@@ -132,7 +156,8 @@ def _peer(label: str, differs: str, node: str, inputs: dict[str, Any], **propert
         for name, value in properties.items():
             setattr(bsdf, name, value)
         for name, value in inputs.items():
-            bsdf.inputs[name].default_value = (*value, 1.0) if isinstance(value, tuple) else value
+            takes_alpha = bsdf.inputs[name].type == "RGBA" and isinstance(value, tuple)
+            bsdf.inputs[name].default_value = (*value, 1.0) if takes_alpha else value
         tree.links.new(bsdf.outputs[0], output.inputs["Surface"])
         return made
 

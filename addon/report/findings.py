@@ -30,9 +30,12 @@ SCENES = {  # of ``scenes.stage``, as they are called
     "environment": "environment map",
     "softbox": "softbox",
     "sun": "half-degree sun",
+    "outdoors": "environment map and sun",
     "checker": "checkered floor",
 }
 INDEPENDENT = ("furnace", "softbox")  # whose truth ``mirror`` has no part in: the reference's, and a lamp by ``direct``
+SELDOM = ("sun", "outdoors")  # whose lamp is so small that random rays seldom hit it
+RANDOM = ("mirror", "hybrid")  # estimators that must hit it so; without bias, or next to none
 TOLD = 3.0  # standard errors by which a bias must exceed 0 to be told from it
 CLOSE = 1.1  # Automatic's error over the winner's that still counts as good a choice
 NUMBERS = ("rmse", "bias2", "bias2_error", "noise", "wall", "cpu")  # of a contender, one a sample count
@@ -66,8 +69,8 @@ class Curve:
     """One contender in one scene, an array element a sample count.
 
     peer: "" if it is ours. bias2 is an unbiased estimate, below 0 where there is next to none. cpu_spread: of the
-    seeds' times, as a share. resolved: false where no seed has met the rare events that other counts say there are, so
-    that neither noise nor bias is known.
+    seeds' times, as a share. resolved: false where no seed has met the rare events that there are, so that neither
+    noise nor bias is known. seldom: whether there are any, so that noise is of a handful of hits and tells no slope.
     """
 
     name: str
@@ -85,6 +88,7 @@ class Curve:
     cpu: NDArray[np.float64]
     cpu_spread: NDArray[np.float64]
     resolved: NDArray[np.bool_]
+    seldom: bool
 
     @property
     def competes(self) -> bool:
@@ -93,7 +97,9 @@ class Curve:
 
     @cached_property
     def slope(self) -> Slope | None:
-        """By least squares within ``SLOPE_RANGE``; None where two noisy counts are not to be had."""
+        """By least squares within ``SLOPE_RANGE``; None where two noisy counts are not to be had, or hits are few."""
+        if self.seldom:
+            return None
         x, y = np.log(self.samples), np.log(np.maximum(self.noise, np.finfo(np.float64).tiny))
         used = (self.samples >= SLOPE_RANGE[0]) & (self.samples <= SLOPE_RANGE[1])
         used &= self.resolved & (self.noise > 0.0)
@@ -170,6 +176,19 @@ class Curve:
         share = (np.log(target) - x[0]) / (x[1] - x[0])
         return Reached(float(np.exp(y[0] + share * (y[1] - y[0]))))
 
+    def error_of(self, samples: float) -> float:
+        """The error of so many samples; infinite where it is not known, as with fewer than were measured.
+
+        After the last count as in ``error_at``.
+        """
+        before = int(np.searchsorted(self.samples, samples, side="right")) - 1
+        after = min(int(np.searchsorted(self.samples, samples)), len(self.samples) - 1)
+        if before < 0 or not (self.resolved[before] and self.resolved[after]):
+            return float("inf")
+        if samples > self.samples[-1]:
+            return float(np.sqrt(max(self.bias2[-1], 0.0) + self.noise[-1] ** 2 * self.samples[-1] / samples))
+        return float(np.exp(np.interp(np.log(samples), np.log(self.samples), np.log(_positive(self.rmse)))))
+
     def error_at(self, seconds: float) -> float:
         """The error after so many processor seconds; infinite where it is not known, as before the first render ends.
 
@@ -202,15 +221,14 @@ class Win:
 class Pick:
     """What Automatic takes at a sample count, and its error over the winner's.
 
-    by: "time" if both had equal processor time, "samples" if equal samples: where a render starts for longer than it
-    samples, times differ by the machine's whims alone.
+    Both are given equal processor time for their samples. What a render starts with is left out: it does not grow with
+    the picture, and those that a report renders are small.
     """
 
     samples: int
     estimator: str
     winner: str
     ratio: float
-    by: str
 
     @property
     def close(self) -> bool:
@@ -228,6 +246,7 @@ class Contest:
     truth: str
     curves: dict[str, Curve]
     picked: tuple[str, ...]
+    refused: dict[str, str]  # what Automatic may not pick, and why
     pictures: dict[str, str]  # by contender, and the "reference"
     picture_samples: int
 
@@ -293,13 +312,16 @@ class Contest:
             own = by_estimator.get(name)
             if own is None or not own.resolved[index]:
                 continue
-            seconds = float(_rising(own.cpu)[index])
-            by = "time" if seconds >= self.judged_from else "samples"
-            errors = self._errors_at(seconds) if by == "time" else self._errors_of(index)
+            seconds = own.samples[index] * own.per_sample
+            errors = {
+                curve.estimator: curve.error_of(seconds / curve.per_sample)
+                for curve in self.rivals
+                if curve.per_sample > 0.0 and curve.estimator not in self.refused
+            }
             errors[name] = float(own.rmse[index])
             winner = min(errors, key=lambda one: errors[one])
             ratio = errors[name] / errors[winner] if errors[winner] > 0.0 else 1.0
-            found.append(Pick(int(own.samples[index]), name, winner, ratio, by))
+            found.append(Pick(int(own.samples[index]), name, winner, ratio))
         return found
 
 
@@ -382,6 +404,7 @@ class Run:
     contests: tuple[Contest, ...]
     cases: tuple[Case, ...]
     left_out: tuple[LeftOut, ...]
+    tables: dict[str, dict[str, dict[str, Any]]]  # that documents tell, by cell and name
 
     @property
     def curves(self) -> Iterator[tuple[Contest, Curve]]:
@@ -415,40 +438,52 @@ def runs(content: dict[str, Any]) -> list[Run]:
 
 
 def _run(blender: str, run: dict[str, Any]) -> Run:
-    contests, cases, left_out = [], [], []
+    contests, cases, left_out, tables = [], [], [], {}
+    picks = {key.partition("/")[2]: cell for key, cell in run["cells"].items() if record.part_of(key) == "picks"}
     for key, cell in run["cells"].items():
         part, _, what = key.partition("/")
         try:
             if part == "accuracy":
-                contests.append(_contest(cell))
+                contests.append(_contest(cell, picks.get(what, {})))
             elif part == "stability":
                 cases += [_case(what, case) for case in cell["cases"]]
             elif part == "left_out":
                 left_out += [_left_out(what, cell, setup) for setup in cell["setups"]]
+            elif part == "figures":
+                tables[what] = {
+                    name: {"columns": one["columns"], "rows": one["rows"]} for name, one in cell["tables"].items()
+                }
         except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
             message = f"{key}: not as this vgroove writes it ({type(error).__name__}: {error}); measure it anew"
             raise ReportError(message) from error
-    return Run(blender, run["vgroove"], run["quick"], tuple(contests), tuple(cases), tuple(left_out))
+    return Run(blender, run["vgroove"], run["quick"], tuple(contests), tuple(cases), tuple(left_out), tables)
 
 
-def _contest(cell: dict[str, Any]) -> Contest:
+def _contest(cell: dict[str, Any], picked: dict[str, Any]) -> Contest:
     samples = np.asarray(cell["samples"], np.float64)
     pictures = cell.get("pictures") or {}
     return Contest(
         cell["scene"], cell["subject"], cell.get("m"), np.broadcast_to(cell["seeds"], samples.shape),
         cell.get("truth", ""),
-        {name: _curve(name, samples, one) for name, one in cell["contenders"].items()},
-        tuple(cell.get("auto") or ()), pictures.get("files", {}), pictures.get("samples", 0),
+        {name: _curve(name, samples, one, cell["scene"]) for name, one in cell["contenders"].items()},
+        tuple(picked.get("estimators") or ()), picked.get("refused") or {},
+        pictures.get("files", {}), pictures.get("samples", 0),
     )  # fmt: skip
 
 
-def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any]) -> Curve:
+def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], scene: str) -> Curve:
+    """Where rays seldom hit the lamp, a bias of what has none is light that no seed has met yet."""
     numbers: dict[str, Any] = {key: np.asarray(one[key], np.float64) for key in NUMBERS}
     flip = np.asarray(one["flip"], np.float64) if one.get("flip") else None
     words: dict[str, Any] = {key: one.get(key) or "" for key in ("estimator", "backend", "peer", "differs")}
     spread = np.asarray(one.get("cpu_spread") or np.zeros(samples.shape), np.float64)
     resolved = np.asarray(one.get("resolved") or np.ones(samples.shape), np.bool_)
-    return Curve(name, samples=samples, flip=flip, cpu_spread=spread, resolved=resolved, **words, **numbers)
+    seldom = scene in SELDOM and words["estimator"] in RANDOM
+    if seldom:
+        resolved = resolved & ~(numbers["bias2"] > TOLD * numbers["bias2_error"])
+    return Curve(
+        name, samples=samples, flip=flip, cpu_spread=spread, resolved=resolved, seldom=seldom, **words, **numbers
+    )
 
 
 def _case(group: str, case: dict[str, Any]) -> Case:

@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from ..presets import Preset
 
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")  # the quickest first
-SCENES = ("environment", "softbox", "sun", "checker")
-MAPPED = ("environment", "checker")  # lit by the map
+SCENES = ("environment", "softbox", "sun", "outdoors", "checker")
+MAPPED = ("environment", "outdoors", "checker")  # lit by the map
 DIFFERS = {  # by the type of BSDF
     "roughconductor": (
         "G is Smith's of each direction by itself in place of the V-groove's; F is that of a conductor with Schlick's "
@@ -250,6 +250,7 @@ def stage(mi: Any, name: str, bsdf: dict[str, Any], world: Any, size: int) -> di
         )
     if name == "sun":
         found["world"] = {"type": "constant", "radiance": rgb([0.05] * 3)}
+    if name in {"sun", "outdoors"}:
         half = SUN_ANGLE / 2.0
         above = placed(mi, (0.0, 0.0, 1.0), 45.0, 39.0) @ mi.ScalarTransform4f().translate([0.0, 0.0, FAR])
         disc = above @ turned(mi) @ scaled(mi, FAR * tan(half))

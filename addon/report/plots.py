@@ -133,15 +133,21 @@ def _unknown(ax: Axes, curve: Curve, x: NDArray[np.float64], y: NDArray[np.float
 
 
 def _panels(run: Run, x_label: str, y_label: str) -> tuple[Figure, list[tuple[Contest, Axes]]]:
-    """A row of panels for each subject, a panel for each of its scenes; all have the same axes."""
-    rows: dict[str, list[Contest]] = {}
+    """A panel for each scene, all with the same axes. A subject's are in one row, which short ones share."""
+    subjects: dict[str, list[Contest]] = {}
     for contest in run.contests:
-        rows.setdefault(contest.subject, []).append(contest)
-    columns = max(len(row) for row in rows.values())
+        subjects.setdefault(contest.subject, []).append(contest)
+    columns = max(len(row) for row in subjects.values())
+    rows: list[list[Contest]] = []
+    for row in subjects.values():
+        if rows and len(rows[-1]) + len(row) <= columns:
+            rows[-1] += row
+        else:
+            rows.append(list(row))
     figure = Figure(figsize=(max(columns, 3) * PANEL[0], len(rows) * PANEL[1] + 0.6), layout="constrained")
     grid = figure.subplots(len(rows), columns, squeeze=False)
     panels = []
-    for line, row in zip(grid, rows.values(), strict=True):
+    for line, row in zip(grid, rows, strict=True):
         for contest, ax in zip(row, line, strict=False):
             ax.set_title(contest.title)
             panels.append((contest, ax))

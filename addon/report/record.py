@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """report.json: every number of a report, by Blender and by what was measured. Imports no bpy.
 
-    {"format": 1, "machine": {...}, "runs": {"5.2.3": {
-        "vgroove": "0.1.0", "versions": {...}, "code": "9f3a...", "quick": false, "cells": {KEY: {...}}}}}
+    {"format": 2, "machine": {...}, "runs": {"5.2.3": {
+        "vgroove": "0.1.0", "versions": {...}, "quick": false, "code": {"accuracy": "9f3a...", ...},
+        "cells": {KEY: {...}}}}}
 
-``code`` is a digest of all that decides the numbers. A key is PART/WHAT, as in "accuracy/softbox/copper"; what a cell
-holds is said where it is measured.
+A key is PART/WHAT, as in "accuracy/softbox/copper"; what a cell holds is said where it is measured. ``code`` is, for
+each part, a digest of all that decides its numbers.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import json
 import math
 import os
 import platform
+import re
 import sys
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -26,16 +28,37 @@ import psutil
 from ..files import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
+PARTS = ("accuracy", "picks", "stability", "left_out", "figures")
 FILE = "report.json"
-FORMAT = 1
+FORMAT = 2
+DIGITS = 9
 ROOT = Path(__file__).parent.parent.parent
 PACKAGES = ("numpy", "scipy", "mitsuba", "flip-evaluator")
 MEASURED = ("addon", "nodegroups", "osl", "presets")
-DRAWN = {"cli.py", "gallery.py"} | {
-    f"{name}.py" for name in ("claims", "compare", "draw", "findings", "page", "plots", "summary", "words")
+# Which parts' numbers a file decides, where not all: none, or those that import it.
+DECIDES: dict[str, set[str]] = {
+    f"addon/{name}.py": parts
+    for parts, names in (
+        (set(), "cli gallery report/run report/record"),
+        (set(), "report/claims report/compare report/draw report/findings report/page report/plots report/summary"),
+        (set(), "report/documents report/words"),
+        ({"accuracy"}, "report/accuracy report/flip report/mitsuba_peer report/statistics"),
+        ({"accuracy", "picks"}, "report/contenders report/scenes"),
+        ({"stability"}, "report/stability report/stability_pictures report/stability_reference"),
+        ({"left_out"}, "report/left_out report/universal explain"),
+        ({"left_out", "picks", "figures"}, "automatic"),
+        ({"left_out", "picks", "stability", "figures"}, "advice"),
+        ({"picks"}, "report/picks"),
+    )
+    for name in names.split()
 }
+
+
+FIELDS = (
+    ("vgroove", str, "text"), ("quick", bool, "true or false"), ("code", dict, "table"), ("cells", dict, "table"),
+)  # fmt: skip
 
 
 class ReportError(ValueError):
@@ -60,39 +83,53 @@ class Record:
     path: Path
     blender: str
     content: dict[str, Any]
+    digests: dict[str, str]  # of the code that now measures, by part
 
     @property
     def cells(self) -> dict[str, dict[str, Any]]:
         return self.content["runs"][self.blender]["cells"]
 
     def keep(self, key: str, found: dict[str, Any]) -> None:
-        """Add a cell, and write the file, with what another Blender's process put there meanwhile.
-
-        JSON has no number that is not finite: such become null.
-        """
+        """Add a cell, and write the file, with what another Blender's process put there meanwhile."""
         if self.path.exists():
             others = read(self.path)["runs"]
             self.content["runs"] |= {blender: run for blender, run in others.items() if blender != self.blender}
-        self.cells[key] = _finite(found)
+        self.cells[key] = _plain(found)
+        self.content["runs"][self.blender]["code"][part_of(key)] = self.digests[part_of(key)]
         with replacing(self.path) as temporary:
-            temporary.write_text(json.dumps(self.content, indent=1, allow_nan=False), encoding="utf-8")
+            temporary.write_text(text(self.content), encoding="utf-8")
 
 
-def begun(path: Path, blender: str, *, quick: bool) -> Record:
-    """The record at ``path``, gone on with if there is one; what other code measured there is not mixed in."""
+def begun(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -> Record:
+    """The record at ``path``, gone on with if there is one; what other code measured there is not mixed in.
+
+    again: parts to be measured anew.
+    """
     empty: dict[str, Any] = {"format": FORMAT, "machine": machine(), "runs": {}}
     content = read(path) if path.exists() else empty
     if content["machine"] != machine():
         message = f"{path}: was measured on another machine; choose another folder with -o"
         raise ReportError(message)
-    new = {"vgroove": version("vgroove"), "versions": versions(), "code": code(), "quick": quick}
-    run = content["runs"].setdefault(blender, new | {"cells": {}})
+    new = {"vgroove": version("vgroove"), "versions": versions(), "quick": quick}
+    run = content["runs"].setdefault(blender, new | {"code": {}, "cells": {}})
     differ = [name for name, value in new.items() if run.get(name) != value]
     if differ:
-        held = "a quick report" if run.get("quick") else "a full report"
-        message = f"{path}: holds {held} of other {' and '.join(differ)}; choose another folder with -o"
+        kind = "a quick report" if run.get("quick") else "a full report"
+        message = f"{path}: holds {kind} of other {' and '.join(differ)}; choose another folder with -o"
         raise ReportError(message)
-    return Record(path, blender, content)
+    run["cells"] = {key: cell for key, cell in run["cells"].items() if part_of(key) not in again}
+    digests = {part: code(part) for part in PARTS}
+    held = {*map(part_of, run["cells"])}
+    stale = [part for part in PARTS if part in held and run["code"].get(part) != digests[part]]
+    if stale:
+        options = " ".join(f"--again {part}" for part in stale)
+        message = f"{path}: other code measured {' and '.join(stale)}; give {options}, or another folder with -o"
+        raise ReportError(message)
+    return Record(path, blender, content, digests)
+
+
+def part_of(key: str) -> str:
+    return key.partition("/")[0]
 
 
 def versions() -> dict[str, str]:
@@ -100,22 +137,40 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {name: version(name) for name in PACKAGES}
 
 
-def code() -> str:
-    """A digest of every file of vgroove that decides a number; not of what draws them."""
+def code(part: str) -> str:
+    """A digest of every file of vgroove that decides a number of this part."""
     found = hashlib.sha256()
     for folder in MEASURED:
         for path in sorted((ROOT / folder).rglob("*")):
-            if path.suffix in {".py", ".toml", ".osl", ".h"} and path.name not in DRAWN:
-                found.update(path.relative_to(ROOT).as_posix().encode() + b"\0" + path.read_bytes())
+            name = path.relative_to(ROOT).as_posix()
+            if path.suffix in {".py", ".toml", ".osl", ".h"} and _decides(name, part):
+                found.update(name.encode() + b"\0" + path.read_bytes())
     return found.hexdigest()[:16]
 
 
-def _finite(value: Any) -> Any:
+def _decides(name: str, part: str) -> bool:
+    if name.startswith("addon/report/figures/"):
+        return part == "figures"
+    return part in DECIDES.get(name, {part})
+
+
+def text(content: dict[str, Any]) -> str:
+    """JSON in which a list or a table of plain values is one line. No line ends within a value."""
+    spread = json.dumps(content, indent=1, allow_nan=False)
+    return (
+        re.sub(r"(?<=[\[{])\n[^\[\]{}]*(?=[\]}])", lambda found: re.sub(r"\n *", " ", found[0]).strip(), spread) + "\n"
+    )
+
+
+def _plain(value: Any) -> Any:
+    """As JSON can hold it: a number that is not finite is null. Of others ``DIGITS`` are kept."""
     if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
+        return {key: _plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+        return [_plain(one) for one in value]
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
+    return value
 
 
 def read(path: Path) -> dict[str, Any]:
@@ -147,7 +202,7 @@ def _flaws(content: dict[str, Any]) -> Iterator[str]:
         if not isinstance(run, dict):
             yield f"the run of Blender {blender} is no table"
             continue
-        for key, kind, called in (("vgroove", str, "text"), ("quick", bool, "true or false"), ("cells", dict, "table")):
+        for key, kind, called in FIELDS:
             if not isinstance(run.get(key), kind):
                 yield f"{key} in the run of Blender {blender} is no {called}"
         if isinstance(cells := run.get("cells"), dict):

@@ -6,7 +6,7 @@ from __future__ import annotations
 from subprocess import SubprocessError
 from typing import TYPE_CHECKING
 
-from . import accuracy, left_out, stability
+from . import accuracy, figures, left_out, picks, stability
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from .record import Cell, Record
 
-PARTS = (accuracy, stability, left_out)
+PARTS = (accuracy, picks, stability, left_out, figures)  # in the order of ``record.PARTS``
 
 
 def cells(*, quick: bool) -> list[Cell]:

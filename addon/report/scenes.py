@@ -6,6 +6,7 @@
   samples else;
 - softbox: a ball by an area lamp of 1 m, 2.5 m away, and nothing else;
 - sun: a ball by a sun of half a degree, under a dim, even sky;
+- outdoors: a ball under the environment map and that sun;
 - checker: a ball of glass on a checkered floor, under the environment map.
 """
 
@@ -40,6 +41,7 @@ class Stage:
     scene: Scene
     item: Object
     seen: NDArray[np.bool_]
+    dim: bool = False  # whether a lamp outshines the world
 
     @property
     def lamp(self) -> Object | None:
@@ -58,16 +60,17 @@ def stage(name: str, size: int) -> Iterator[Stage]:
             yield Stage(shown, patch, np.ones((size, size), np.bool_))
         return
     shown = _ball(size)
-    if name in {"environment", "checker"}:
+    if name in {"environment", "checker", "outdoors"}:
         _hold(shown, BRIGHTEST)
     else:
         _even(shown, 0.05 if name == "sun" else 0.0)
+    if name in {"softbox", "sun", "outdoors"}:
         _lamp(shown, "AREA" if name == "softbox" else "SUN")
     if name == "checker":
         _checker(shown)
     shown.view_layers[0].update()
     seen = np.ones((size, size), np.bool_) if name == "checker" else ball_pixels(size)
-    yield Stage(shown, shown.objects["Ball"], seen)
+    yield Stage(shown, shown.objects["Ball"], seen, dim=name in {"softbox", "sun"})
 
 
 def ball_pixels(size: int) -> NDArray[np.bool_]:

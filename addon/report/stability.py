@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from .. import check, check_glass, check_oren_nayar, gonio, headless
+from ..advice import FEWEST_RAYS
 from ..animation import DRIVINGS
 from ..check import SETUPS, Row, Setup
 from ..material import NATIVE, Choice, build, parameter_sockets
@@ -35,7 +36,6 @@ from ..reference import CookTorrance, albedo, rendered
 from ..reference.hybrid import DEFAULT_BOUND
 from ..reference.oren_nayar_fit import KINDS
 from ..reference.quadrature import diffuse_albedo, vgroove_albedo, vgroove_mean
-from ..scene import FEWEST_RAYS
 from . import stability_pictures, stability_reference
 from .record import Cell
 from .stability_pictures import Shot

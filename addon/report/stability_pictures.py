@@ -18,7 +18,7 @@ from mathutils import Vector
 
 from ... import nodegroups
 from ...nodegroups import random_numbers
-from .. import gonio, headless, rays, scene
+from .. import advice, gonio, headless, rays, scene
 from ..check import SETUPS, Row, Setup, View, limit, materials
 from ..material import Choice, build
 from ..reference import albedo
@@ -78,7 +78,7 @@ def photo(shot: Shot, setup: Setup) -> Photo:
     fresnel = materials()["white"].with_parameters(m=SLOPE)
     with _shown(shot, setup, lambda: build(fresnel, Choice(setup.backend, "mirror"))) as shown:
         foreseen = rays.different_rays(shown)
-        warned = [problem.text for problem in scene.problems(shown, setup.backend, "mirror") if problem.key == "rays"]
+        warned = [problem.text for problem in advice.problems(shown, setup.backend, "mirror") if problem.key == "rays"]
         with headless.quiet():
             image = gonio.rendered(shown).astype(np.float64)
     mean, square = moments()

@@ -43,15 +43,15 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
         lines += ["", f"## {title(run)}", "", *(f"- {line}" for line in headlines(run))]
         lines += images.get("error", []) + images.get("noise", [])
         if run.wins:
-            lines += ["", "### Who errs least at a time", "", WINS, "", *_table(*win_rows(run))]
+            lines += ["", "### Who errs least at a time", "", WINS, "", *table(*win_rows(run))]
         if short := too_short(run):
             lines += ["", TOO_SHORT, "", *(f"- {line}" for line in short)]
         if run.contests:
             lines += ["", "### Each scene and subject", "", CURVES]
         for contest in run.contests:
-            lines += ["", f"#### {contest.title}", "", about(contest), "", *_table(CURVE_COLUMNS, curve_rows(contest))]
+            lines += ["", f"#### {contest.title}", "", about(contest), "", *table(CURVE_COLUMNS, curve_rows(contest))]
         if run.cases:
-            lines += ["", "### Extreme cases", *images.get("stability", []), "", *_table(CASE_COLUMNS, case_rows(run))]
+            lines += ["", "### Extreme cases", *images.get("stability", []), "", *table(CASE_COLUMNS, case_rows(run))]
         if run.left_out:
             lines += [
                 "",
@@ -60,15 +60,15 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
                 "",
                 LEFT_OUT,
                 "",
-                *_table(LEFT_OUT_COLUMNS, left_out_rows(run)),
+                *table(LEFT_OUT_COLUMNS, left_out_rows(run)),
                 "",
                 DROPPED,
                 "",
-                *_table(DROPPED_COLUMNS, dropped_rows(run)),
+                *table(DROPPED_COLUMNS, dropped_rows(run)),
                 "",
                 DROPPED_EACH,
                 "",
-                *_table(DROPPED_EACH_COLUMNS, dropped_each_rows(run)),
+                *table(DROPPED_EACH_COLUMNS, dropped_each_rows(run)),
             ]
     return "\n".join([*lines, ""])
 
@@ -101,6 +101,7 @@ DROPPED = (
 DROPPED_COLUMNS = ("what", "left out", "nodes", "time", "picture")
 DROPPED_EACH = "Case by case, and why."
 DROPPED_EACH_COLUMNS = ("case", "what", "why", "nodes", "time", "picture")
+EVEN, HASHED = ("closure", "fit", "corrected"), ("hybrid", "direct")  # whose random numbers are Cycles', or ours
 SAME = {True: "the same", False: "DIFFERS", None: ""}
 
 
@@ -114,13 +115,30 @@ def machine_text(machine: Mapping[str, Any]) -> str:
 
 def headlines(run: Run) -> list[str]:
     """What a report must show, whether it does, and what else it says in a sentence."""
-    return [*(claim.text for claim in claims.of(run)), *(line for of in (_winners, _backends) if (line := of(run)))]
+    return [
+        *(claim.text for claim in claims.of(run)),
+        *(line for of in (_winners, _bends, _backends) if (line := of(run))),
+    ]
 
 
 def _winners(run: Run) -> str:
     factors = {name: [win.over[name] for _, win in run.wins if name in win.over] for name in AGAINST}
     said = [f"{name} errs {times(median(values))}" for name, values in factors.items() if values]
     return f"After the same time, in the median, {' and '.join(said)} as much as the best estimator." if said else ""
+
+
+def _bends(run: Run) -> str:
+    """Why curves are no straight lines of slope -1/2."""
+    known = [(curve.estimator, curve.slope.value) for _, curve in run.curves if curve.competes and curve.slope]
+    even, random = ([slope for name, slope in known if name in names] for names in (EVEN, HASHED))
+    if not even or not random:
+        return ""
+    return (
+        f"Noise of {', '.join(EVEN)} falls as samples to the power of {number(median(even))} in the median "
+        f"({number(min(even))} to {number(max(even))}), as Cycles spreads a pixel's samples evenly; that of "
+        f"{' and '.join(HASHED)} as {number(median(random))}, as theirs are independent, by a hash. Errors stop "
+        "falling where bias is left, which plots mark, and jump where a light is met for the first time."
+    )
 
 
 def _backends(run: Run) -> str:
@@ -166,6 +184,8 @@ def about(contest: Contest) -> str:
         choices = {pick.estimator: None for pick in contest.picks}
         worst = max(contest.picks, key=lambda pick: pick.ratio)
         said += f" Automatic: {', then '.join(choices)}; at worst {times(worst.ratio)} as much error as the best."
+        if contest.refused:
+            said += f" It may not pick {', '.join(f'{name} ({why})' for name, why in contest.refused.items())}."
     return said
 
 
@@ -251,7 +271,12 @@ def slope(curve: Curve) -> str:
 def remarks(curve: Curve) -> str:
     """In what its model differs, and the sample counts of which nothing is known."""
     unknown = ", ".join(f"{count:g}" for count in curve.samples[~curve.resolved])
-    return "; ".join(text for text in (curve.differs, unknown and f"not resolved at {unknown} samples") if text)
+    found = (
+        curve.differs,
+        "rays seldom hit the lamp: no slope is told" if curve.seldom else "",
+        unknown and f"not resolved at {unknown} samples",
+    )
+    return "; ".join(text for text in found if text)
 
 
 def bias(curve: Curve) -> str:
@@ -270,7 +295,7 @@ def both(cpu: Reached, wall: Reached) -> str:
     return reached(cpu) if cpu.limit in {"floor", "noise"} else f"{reached(cpu)} ({reached(wall)})"
 
 
-def _table(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
+def table(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
     names = list(columns)
     lines = [names, ["---"] * len(names), *rows]
     return ["| " + " | ".join(text.replace("|", "\\|") for text in line) + " |" for line in lines]

@@ -1,18 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `vgroove batch` costs beside Cycles, and how it compares with a `vgroove render` process a still.
+"""What ``vgroove batch`` costs beside Cycles, and over a ``vgroove render`` process a still, for docs/batch.md.
 
-    python bench/batch.py [--stills N] [--alone N]
-
-Three figures, of stills of the preview scene by both processes of a grid of two presets, slopes and estimators:
-the time of N stills of 64 x 64 at 16 samples over that of as many processes of their own (a few of these are run, some
-before and some after the batch, so that what else the machine does falls on both alike); the time outside Cycles' own
-render call over that within it, at 64 x 64 and 16 samples and at 256 x 256 and 64; and by how much the memory of one
-process that is never replaced grows with each of N tasks.
+Stills of the preview scene, by a grid of two presets, slopes and estimators. A few processes with a still of their own
+are run before the batch and a few after, so that what else the machine does falls on both alike. The time outside
+Cycles' own render call, over that within it, and by how much the memory of a process that is never replaced grows with
+each task, are of one process.
 """
 
 from __future__ import annotations
 
-import argparse
 import math
 import subprocess
 import sys
@@ -21,26 +17,41 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
+import numpy as np
 
-from vgroove.addon import headless
-
-headless.prepare()
-
-import _cycles  # noqa: E402 - after prepare()
-import numpy as np  # noqa: E402
-
-from vgroove.addon.batch import memory, pool  # noqa: E402
-from vgroove.addon.batch.job import parse  # noqa: E402
-from vgroove.addon.batch.task import Renderer  # noqa: E402
+from . import Table, table
 
 if TYPE_CHECKING:
-    from vgroove.addon.batch.job import Task
+    from ...batch.job import Task
 
 VGROOVE = Path(sys.executable).parent / "vgroove"
+STILLS, LARGER_STILLS, ALONE = 300, 8, 8
 SETTLED = 0.2  # of the tasks, after which memory is looked at: by then everything was needed once
-SEVERAL = 100  # tasks, below which a slope says nothing
-out = Console()
+
+
+def tables() -> dict[str, Table]:
+    from ...batch.job import parse
+
+    with tempfile.TemporaryDirectory(prefix="vgroove-") as name:
+        folder = Path(name)
+        before = alone(ALONE // 2, folder)
+        batch = together(STILLS, folder)
+        single = (before + alone(ALONE // 2, folder)) / 2.0
+        outside, growth = {}, 0.0
+        for side, samples, stills in ((64, 16, STILLS), (256, 64, LARGER_STILLS)):
+            (folder / str(side)).mkdir()
+            outside[side], slope = one_process(parse(job(stills, side, samples), "job", folder), folder / str(side))
+            growth = slope if stills == STILLS else growth
+    return {
+        "cost": table(
+            ["what", "value"],
+            [
+                ["stills", STILLS], ["seconds by a process a still", single], ["seconds in a batch", batch],
+                ["outside Cycles at 64 x 64 and 16 samples", outside[64]],
+                ["outside Cycles at 256 x 256 and 64 samples", outside[256]], ["bytes a task", growth],
+            ],
+        )
+    }  # fmt: skip
 
 
 def job(stills: int, side: int, samples: int) -> str:
@@ -63,7 +74,7 @@ def alone(count: int, folder: Path) -> float:
 
 
 def together(stills: int, folder: Path) -> float:
-    """Seconds of a still that `vgroove batch` renders, with everything from its start to its end."""
+    """Seconds of a still that ``vgroove batch`` renders, with everything from its start to its end."""
     (folder / "job.toml").write_text(job(stills, 64, 16), encoding="utf-8")
     start = time.perf_counter()
     subprocess.run([str(VGROOVE), "batch", "job.toml", "-o", "out"], check=True, capture_output=True, cwd=folder)
@@ -75,6 +86,12 @@ def one_process(tasks: list[Task], folder: Path) -> tuple[float, float]:
 
     The first task, which imports and builds what all need, is left out of the time.
     """
+    import _cycles
+
+    from ... import headless
+    from ...batch import memory, pool
+    from ...batch.task import Renderer
+
     within, real = [0.0], _cycles.render
 
     def timed(*arguments: Any) -> None:
@@ -99,29 +116,3 @@ def one_process(tasks: list[Task], folder: Path) -> tuple[float, float]:
     settled = held[int(SETTLED * len(held)) :]
     slope = float(np.polyfit(np.arange(len(settled)), settled, 1)[0]) if len(settled) > 1 else math.nan
     return (spent - within[0]) / within[0], slope
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--stills", type=int, default=1000, metavar="N")
-    parser.add_argument("--alone", type=int, default=10, metavar="N", help="processes with a still of their own")
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory(prefix="vgroove-") as name:
-        folder = Path(name)
-        before = alone((arguments.alone + 1) // 2, folder)
-        batch = together(arguments.stills, folder)
-        after = alone((arguments.alone + 1) // 2, folder)
-        single = (before + after) / 2.0
-        out.print(
-            f"{arguments.stills} stills of 64 x 64 at 16 samples: {single:.2f} s each by a process of its own, "
-            f"{batch:.3f} s in a batch, {single / batch:.1f} times the throughput", soft_wrap=True,
-        )  # fmt: skip
-        for side, samples, stills in ((64, 16, arguments.stills), (256, 64, max(arguments.stills // 50, 4))):
-            (folder / str(side)).mkdir()
-            outside, slope = one_process(parse(job(stills, side, samples), "bench", folder), folder / str(side))
-            growth = f", {slope / 1000:+.1f} kB of memory a task" if stills >= SEVERAL else ""
-            out.print(f"{side} x {side} at {samples}: {outside:.1%} outside Cycles' render call{growth}")
-
-
-if __name__ == "__main__":
-    main()
