@@ -19,7 +19,8 @@ RUNS = {run.blender: run for run in findings.read(REPORT)}
 def test_the_published_report_shows_what_it_must(blender_version):
     """The slope of mirror's noise, no bias of it, Automatic near the best, the universal material nowhere quicker."""
     found = claims.of(RUNS[blender_version])
-    assert len(found) == 6
+    if RUNS[blender_version].contests:
+        assert len(found) == 6
     broken = [claim for claim in found if not claim.holds]
     assert all(claim.claim.startswith("Automatic") for claim in broken), [claim.text for claim in broken]
 
@@ -41,7 +42,7 @@ def test_automatic_picks_what_the_published_report_judges(blender, tmp_path):
     version = blender.app.version_string.split()[0]
     published = record.read(REPORT)["runs"][version]["cells"]
     now = {cell.key: cell.measure(tmp_path) for cell in picks.cells(quick=False)}
-    assert now == {key: cell for key, cell in published.items() if key in now}
+    assert now == {key: published[key] for key in now}
 
 
 @pytest.fixture

@@ -40,7 +40,8 @@ if TYPE_CHECKING:
     from ..presets import Preset
     from .scenes import Stage
 
-SIZE = 24
+SIZE, SMALLER = 24, 16  # pixels
+SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
 SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
 PICTURE_SIZE, PICTURE_SAMPLES = 64, 64
 TRUTHS, FIRST_TRUTH = 4, 101  # how many, and the first one's seed
@@ -64,22 +65,26 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, 
     preset = contenders.subjects()[subject]
     with headless.quiet(), ExitStack() as stack:
         other, without = _mitsuba(stack, name, preset)
-        with stage(name, SIZE) as shown:
+        with stage(name, size_of(subject)) as shown:
             backends = ("nodes", "osl") if (name, subject) in BOTH_BACKENDS else ("nodes",)
             rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
             truths = truth(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
             found = _race(shown, rivals, counts)
             if other is not None:
                 rivals.append(other.contender)
-                found[other.contender.label] = other.race(name, counts)
+                found[other.contender.label] = other.race(name, counts, size_of(subject))
             scored = {rival.label: _scored(rival, found[rival.label], counts, truths, shown) for rival in rivals}
         drawn = None if name == "furnace" else pictures(folder, name, subject, preset, other)
     return {
-        "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m, "size": SIZE,
-        "samples": list(counts), "seeds": [_seeds(samples) for samples in counts], "first_seed": 1,
-        "truth": _said(name), "first_truth_seed": FIRST_TRUTH, "without": without, "contenders": scored,
-        "pictures": drawn,
+        "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m,
+        "size": size_of(subject), "samples": list(counts), "seeds": [_seeds(samples) for samples in counts],
+        "first_seed": 1, "truth": _said(name), "first_truth_seed": FIRST_TRUTH, "without": without,
+        "contenders": scored, "pictures": drawn,
     }  # fmt: skip
+
+
+def size_of(subject: str) -> int:
+    return SMALLER if subject in SLOW else SIZE
 
 
 def truth(shown: Stage, name: str, preset: Preset, fewer: int = 1) -> NDArray[np.float64]:
@@ -150,13 +155,13 @@ class Other:
         differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({self.peer.version}, {self.peer.variant})"
         return Contender("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
 
-    def race(self, name: str, counts: tuple[int, ...]) -> list[Taken]:
+    def race(self, name: str, counts: tuple[int, ...], size: int) -> list[Taken]:
         """As ``_race``: after Cycles, as each takes all cores."""
         found = []
         for samples in counts:
             taken = Taken()
             for seed in range(1, _seeds(samples) + 1):
-                one = self.peer.render(name, self.bsdf, samples, seed, SIZE)
+                one = self.peer.render(name, self.bsdf, samples, seed, size)
                 taken.pictures.append(one.picture)
                 taken.wall.append(one.wall)
                 taken.cpu.append(one.cpu)
