@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from vgroove.addon import presets
-from vgroove.addon.report import documents, figures, findings, plots, summary
+from vgroove.addon.report import documents, draw, figures, findings, plots, summary
 from vgroove.addon.report.record import ReportError
 
 ROOT = Path(__file__).parent.parent
@@ -116,8 +116,9 @@ def test_every_figure_in_readme_and_docs_comes_from_the_report(reported):
 
 def test_the_report_in_docs_is_drawn_from_its_numbers(reported, tmp_path):
     machine = json.loads((ROOT / "docs" / "report.json").read_text(encoding="utf-8"))["machine"]
-    figures = {run.blender: plots.draw(run, tmp_path) for run in reported}
-    assert (ROOT / "docs" / "report.md").read_text(encoding="utf-8") == summary.markdown(reported, machine, figures)
+    found = draw.told(reported)
+    drawn = {run.blender: plots.draw(run, tmp_path) for run in found}
+    assert (ROOT / "docs" / "report.md").read_text(encoding="utf-8") == summary.markdown(found, machine, drawn)
     assert not any(run.quick for run in reported)
     assert (ROOT / "docs" / "report.json").stat().st_size < 1_000_000
 

@@ -17,13 +17,18 @@ if TYPE_CHECKING:
 PLOTS = "plots"
 
 
+def told(runs: list[Run]) -> list[Run]:
+    """Those that hold more than tables for documents."""
+    return [run for run in runs if run.contests or run.cases or run.left_out]
+
+
 def draw(runs: list[Run], machine: Mapping[str, Any], pictures: Path | None, folder: Path) -> list[Path]:
     """Write report.html, report.md and plots/ to ``folder``; what was written.
 
     pictures: where the pictures that the report names are; None for a page without them. ReportError if there is
     nothing to draw.
     """
-    found = [run for run in runs if run.contests or run.cases or run.left_out]
+    found = told(runs)
     if not found:
         message = "the report holds no measurements yet; give `vgroove report -o DIR` more time"
         raise ReportError(message)
