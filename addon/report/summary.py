@@ -122,8 +122,15 @@ def headlines(run: Run) -> list[str]:
 
 
 def _winners(run: Run) -> str:
-    factors = {name: [win.over[name] for _, win in run.wins if name in win.over] for name in AGAINST}
-    said = [f"{name} errs {times(median(values))}" for name, values in factors.items() if values]
+    """In the median and at worst, as one estimator may be the best in most scenes and far off in some."""
+    said = []
+    for name in AGAINST:
+        found = [(win.over[name], contest.title) for contest, win in run.wins if name in win.over]
+        if found:
+            worst, where = max(found)
+            said.append(
+                f"{name} errs {times(median(factor for factor, _ in found))}, at worst {times(worst)} ({where}),"
+            )
     return f"After the same time, in the median, {' and '.join(said)} as much as the best estimator." if said else ""
 
 
