@@ -137,7 +137,7 @@ def _panels(run: Run, x_label: str, y_label: str) -> tuple[Figure, list[tuple[Co
     subjects: dict[str, list[Contest]] = {}
     for contest in run.contests:
         subjects.setdefault(contest.subject, []).append(contest)
-    columns = max(len(row) for row in subjects.values())
+    columns = max(*(len(row) for row in subjects.values()), min(3, len(run.contests)))
     rows: list[list[Contest]] = []
     for row in subjects.values():
         if rows and len(rows[-1]) + len(row) <= columns:
