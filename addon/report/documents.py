@@ -196,7 +196,8 @@ def _batch(found: list[Run]) -> str:
 
 
 def _batch_stills(found: list[Run]) -> str:
-    return str(dict(_rows(found, "batch", "cost"))["stills"])
+    counts = [dict(run.tables["batch"]["cost"]["rows"])["stills"] for run in found if "batch" in run.tables]
+    return " and ".join(dict.fromkeys(map(str, counts)))
 
 
 def _speed(found: list[Run]) -> str:
