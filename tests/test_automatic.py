@@ -130,3 +130,29 @@ def test_a_scene_without_light_has_an_automatic_too(blender, empty):
     scene.exact(empty)
     assert automatic.light_of(empty).kind == ""
     assert automatic.pick_estimator(empty, find("lecture/copper")) in {"closure", "fit"}
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("spoil", ["mis", "threshold", "clamp"])
+def test_random_facets_are_not_picked_where_the_scene_keeps_them_from_light(blender, spoil):
+    """In an even light with many samples they would be, if the world were sampled and nothing stopped or clamped."""
+    copper = find("lecture/copper")
+    with headless.quiet(), stage("furnace", 8) as shown:
+        shown.scene.cycles.samples = 4096
+        assert automatic.pick_estimator(shown.scene, copper) == "mirror"
+        if spoil == "mis":
+            shown.scene.world.cycles.sampling_method = "NONE"
+        elif spoil == "threshold":
+            shown.scene.cycles.use_adaptive_sampling = True
+        else:
+            shown.scene.cycles.sample_clamp_indirect = 1.0
+        assert automatic.pick_estimator(shown.scene, copper) == "fit"
+
+
+@pytest.mark.blender
+def test_a_world_without_nodes_is_even(blender, empty):
+    """As 4.5 has them at first."""
+    empty.world = blender.data.worlds.new("Plain")
+    if blender.app.version < (5, 0, 0):
+        assert not empty.world.use_nodes
+    assert automatic.light_of(empty).kind == "even"
