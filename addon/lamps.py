@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 LIMIT = 8
 SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly a random point on the lamp sends anything
+# Blender 5.2 takes what a driver writes for 0 below 1e-4, which would put a low sun on the horizon. What reads an axis
+# normalizes it, and a power of two rounds nothing.
+FARTHER = 65536
 STREAM = 10  # random numbers of the first bound lamp; mirror's facet has the first streams
 
 
@@ -190,13 +193,8 @@ def bind(node: Node, lamp: Object, index: int = 0, *, only_pointlike: bool = Fal
         if name in node.inputs:
             for channel in range(3):
                 entry = {"v": f"matrix_world[{row}][{channel}]"}
-                _drive(
-                    node.inputs[name],
-                    channel,
-                    lamp,
-                    "v * s" if extent else "v",
-                    entry | ({"s": extent} if extent else {}),
-                )
+                expression = "v * s" if extent else f"v * {FARTHER}" if name == "Axis" else "v"
+                _drive(node.inputs[name], channel, lamp, expression, entry | ({"s": extent} if extent else {}))
     for name, (expression, path) in _NUMBERS.items():
         if name in node.inputs:
             _drive(node.inputs[name], -1, lamp, expression, {"v": path})

@@ -152,7 +152,8 @@ class Other:
     @property
     def contender(self) -> Contender:
         kind = self.bsdf["type"]
-        differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({self.peer.version}, {self.peer.variant})"
+        quickest = "" if self.peer.variant == mitsuba_peer.VARIANTS[0] else ", not its quickest variant"
+        differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({self.peer.version}, {self.peer.variant}{quickest})"
         return Contender("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
 
     def race(self, name: str, counts: tuple[int, ...], size: int) -> list[Taken]:

@@ -32,6 +32,8 @@ PAIRS = (
     ("checker", "glass"),
 )
 QUICK_PAIRS = (("furnace", "copper"), ("sun", "copper"), ("softbox", "plaster"))
+COAT = "the base under a coat that dims it and mirrors all at the edge, where the preset adds shares of each"
+LEVEL, F0_OF_GLASS = 0.5, 0.04  # Principled's level at which its IOR stands; what its usual IOR of 1.5 sends back
 LOBE = "GGX in place of Beckmann's D, and light lost between facets is given back"
 
 
@@ -122,13 +124,20 @@ def peers(preset: Preset) -> Iterator[Contender]:
         )  # fmt: skip
     elif preset.model == "sum":
         yield _peer(
-            "Principled BSDF", f"{LOBE}; the base under a coat, where the preset has half of each",
-            "BsdfPrincipled", {"Base Color": of["albedo"], "IOR": of["eta"], "Roughness": of["m"] ** 0.5},
+            "Principled BSDF", f"{LOBE}; {COAT}",
+            "BsdfPrincipled",
+            {
+                "Base Color": tuple(of["d"] * c for c in of["albedo"]), "IOR": of["eta"],
+                "Specular IOR Level": LEVEL * of["s"], "Roughness": of["m"] ** 0.5,
+            },
         )  # fmt: skip
     elif preset.model == "car_paint":
+        lobes = [(of[f"s_{k}"] * sum(of[f"f0_{k}"]) / 3, of[f"m_{k}"]) for k in range(1, preset.lobes + 1)]
+        f0, m = max(lobes)
         yield _peer(
-            "Principled BSDF", f"{LOBE}; the base under one coat, where the preset has {preset.lobes} lobes",
-            "BsdfPrincipled", {"Base Color": of["albedo"], "Roughness": of["m_1"] ** 0.5},
+            "Principled BSDF", f"{LOBE}; {COAT}, and of {preset.lobes} lobes the strongest, grey",
+            "BsdfPrincipled",
+            {"Base Color": of["albedo"], "Specular IOR Level": LEVEL * f0 / F0_OF_GLASS, "Roughness": m**0.5},
         )  # fmt: skip
     elif preset.model == "translucent":
         yield _peer(

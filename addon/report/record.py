@@ -3,10 +3,10 @@
 
     {"format": 2, "machine": {...}, "runs": {"5.2.3": {
         "vgroove": "0.1.0", "versions": {...}, "quick": false, "code": {"accuracy": "9f3a...", ...},
-        "cells": {KEY: {...}}}}}
+        "seconds": {KEY: 71.3, ...}, "cells": {KEY: {...}}}}}
 
 A key is PART/WHAT, as in "accuracy/softbox/copper"; what a cell holds is said where it is measured. ``code`` is, for
-each part, a digest of all that decides its numbers.
+each part, a digest of all that decides its numbers; ``seconds`` is how long each cell took, by the clock.
 """
 
 from __future__ import annotations
@@ -89,12 +89,13 @@ class Record:
     def cells(self) -> dict[str, dict[str, Any]]:
         return self.content["runs"][self.blender]["cells"]
 
-    def keep(self, key: str, found: dict[str, Any]) -> None:
-        """Add a cell, and write the file, with what another Blender's process put there meanwhile."""
+    def keep(self, key: str, found: dict[str, Any], seconds: float = 0.0) -> None:
+        """Add a cell that took so long, and write the file, with what another Blender's process put there meanwhile."""
         if self.path.exists():
             others = read(self.path)["runs"]
             self.content["runs"] |= {blender: run for blender, run in others.items() if blender != self.blender}
         self.cells[key] = _plain(found)
+        self.content["runs"][self.blender].setdefault("seconds", {})[key] = round(seconds, 1)
         self.content["runs"][self.blender]["code"][part_of(key)] = self.digests[part_of(key)]
         with replacing(self.path) as temporary:
             temporary.write_text(text(self.content), encoding="utf-8")
@@ -111,13 +112,14 @@ def begun(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -
         message = f"{path}: was measured on another machine; choose another folder with -o"
         raise ReportError(message)
     new = {"vgroove": version("vgroove"), "versions": versions(), "quick": quick}
-    run = content["runs"].setdefault(blender, new | {"code": {}, "cells": {}})
+    run = content["runs"].setdefault(blender, new | {"code": {}, "seconds": {}, "cells": {}})
     differ = [name for name, value in new.items() if run.get(name) != value]
     if differ:
         kind = "a quick report" if run.get("quick") else "a full report"
         message = f"{path}: holds {kind} of other {' and '.join(differ)}; choose another folder with -o"
         raise ReportError(message)
-    run["cells"] = {key: cell for key, cell in run["cells"].items() if part_of(key) not in again}
+    for kept in ("cells", "seconds"):
+        run[kept] = {key: of for key, of in run.get(kept, {}).items() if part_of(key) not in again}
     digests = {part: code(part) for part in PARTS}
     held = {*map(part_of, run["cells"])}
     stale = [part for part in PARTS if part in held and run["code"].get(part) != digests[part]]
@@ -163,13 +165,14 @@ def text(content: dict[str, Any]) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """As JSON can hold it: a number that is not finite is null. Of others ``DIGITS`` are kept."""
+    """As JSON can hold it: a number that is not finite is null. Of others ``DIGITS`` are kept, or all near 1."""
     if isinstance(value, dict):
         return {key: _plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(one) for one in value]
     if isinstance(value, float):
-        return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
+        kept = float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
+        return value if kept in {0.0, 1.0} else kept
     return value
 
 

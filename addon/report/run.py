@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from subprocess import SubprocessError
 from typing import TYPE_CHECKING
 
@@ -29,10 +30,11 @@ def missing(record: Record, wanted: list[Cell]) -> list[Cell]:
 def measured(record: Record, wanted: list[Cell], folder: Path) -> Iterator[tuple[Cell, str]]:
     """Measure each cell, and keep it before the next is begun. With each the reason why it could not be had, or ""."""
     for cell in wanted:
+        began = time.perf_counter()
         try:
             found = cell.measure(folder)
         except (RuntimeError, ValueError, ArithmeticError, SubprocessError) as error:
             yield cell, " ".join(f"{type(error).__name__}: {error}".split())
         else:
-            record.keep(cell.key, found)
+            record.keep(cell.key, found, time.perf_counter() - began)
             yield cell, ""

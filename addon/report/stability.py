@@ -57,7 +57,6 @@ SIGMAS = (0.0, 1e-6, 0.1, 1.0, np.pi / 2)
 SIDES = ("outside", "inside")
 ALL, SMOOTH_LOSS = 1024, check_glass.SMOOTH_BAR  # bounces, as many as Cycles makes; of light, to rounding
 NEAREST = 90.0 - 2.0**-17  # degrees: what float32 holds of 90 - 1e-6
-DRIVEN = 1e-4  # what Blender 5.2 writes by a driver, at least; 4.5 has no such limit
 ROUNDING = 2.0**-15.5  # of a sum of at most 2^17 samples in float32, as in ``check.View``
 FEW = 2  # of a line's values, in a quick report: its ends
 NOISY = 276  # cases that are judged by Z, for Sidak's correction; a test holds it to the table
@@ -185,27 +184,22 @@ def seen(geometry: gonio.Geometry) -> NDArray[np.float64]:
 def grazing_light(estimator: str, m: float, theta: float, setup: Setup) -> Seen:
     """The sun at theta, on the hemisphere and around its mirror direction, against the formula.
 
-    Cosine-free: no share of light. A bound sun too low to be driven is on the horizon: ``corrected`` is ``fit`` then.
+    Cosine-free: no share of light. Around it as far as the horizon's half or, if that is less, four times the slope.
     """
     preset = check.materials()["dielectric"].with_parameters(m=m)
-    geometries = [gonio.Geometry(theta, window, (32, 32)) for window in (0.0, max(90.0 - theta, 1e-5) / 2)]
+    near = min(max(90.0 - theta, 1e-5) / 2, np.degrees(4.0 * m))
+    geometries = [gonio.Geometry(theta, window, (33, 33)) for window in (0.0, near)]  # one pixel sees the peak itself
     images = [check.measure(preset, setup, estimator, geometry) for geometry in geometries]
-    limit, pairs = "", list(zip(images, geometries, strict=True))
-    views = [beside(*pair, estimator, preset, setup) for pair in pairs]
-    if np.cos(_held(theta)) < DRIVEN and estimator not in NATIVE:
-        left = [beside(*pair, "fit" if estimator == "corrected" else "", preset, setup) for pair in pairs]
-        if max(view.error for view in left) < max(view.error for view in views):
-            limit = f"Blender's drivers take numbers below {DRIVEN:g} for 0: so near the horizon a bound sun is on it"
-            views = left
+    views = [beside(*pair, estimator, preset, setup) for pair in zip(images, geometries, strict=True)]
     worst = max(views, key=lambda view: view.error / view.bar)
     more = {"error": worst.error, "bar": worst.bar, "holds": worst.error <= worst.bar}
-    return Seen(np.stack(images), limit=limit, more=more)
+    return Seen(np.stack(images), more=more)
 
 
 def beside(
     image: NDArray[np.float64], geometry: gonio.Geometry, estimator: str, preset: Preset, setup: Setup
 ) -> check.View:
-    """``image`` beside the formula of ``estimator``, or beside black; of a sun where float32 puts it.
+    """``image`` beside the formula of ``estimator``; of a sun where float32 puts it.
 
     As ``check.exact_row``. The sun's strength allows for the cosine of theta, not of what float32 has of it.
 
@@ -221,9 +215,9 @@ def beside(
     native = estimator in {*NATIVE, "corrected"}
     approximate = check.fresnel_approximation(setup, "dielectric") if native else 0.0
     of = (white(m) if approximate else preset).reference()
-    lobes = [rendered(of, name) for name in {"corrected": ("direct", "fit")}.get(estimator, (estimator or "direct",))]
+    lobes = [rendered(of, name) for name in {"corrected": ("direct", "fit")}.get(estimator, (estimator,))]
     formula = rendered(preset.reference(), estimator if estimator in NATIVE else "direct")
-    expected = brighter * formula(wi, wo) * bool(estimator)
+    expected = brighter * formula(wi, wo)
     # Where the view holds less than 2^-64 of the lobe there is only what exp() leaves of its underflow.
     peak = float(np.max(lobes[0](wi, wi * [-1.0, -1.0, 1.0])))
     scale = brighter * max(*(float(np.max(lobe(wi, wo))) for lobe in lobes), 2.0**-64 * peak)
