@@ -31,9 +31,9 @@ check: | $(UV)  ## every model x estimator x backend, Cycles against NumPy
 	$(RUN) vgroove check
 
 report: | $(UV)  ## error against run time, stability, what was left out: numbers, plots, a page; both Blenders in one
-	$(RUN) vgroove report -o build/report
-	@if $(UV) python find --quiet 3.11 >/dev/null; then $(RUN_45) vgroove report -o build/report; \
-	else echo "no Python 3.11: Blender 4.5 is left out"; fi
+	@failed=0; $(RUN) vgroove report -o build/report || failed=$$?; \
+	if $(UV) python find --quiet 3.11 >/dev/null; then $(RUN_45) vgroove report -o build/report || failed=$$?; \
+	else echo "no Python 3.11: Blender 4.5 is left out"; fi; exit $$failed
 
 documents: | $(UV)  ## what `make report` measured into docs/, and its figures into the pages that tell them
 	cp build/report/report.json docs/report.json

@@ -683,10 +683,7 @@ def report(
     _make(file)
     begun = record.begun(file, _versions()["blender"], quick=quick, again=[str(part) for part in again or ()])
     failed = _measured(begun, output, quick=quick)
-    _draw(file, output)
-    if failed:
-        message = f"{len(failed)} measurements failed, {failed[0]} first; give the command again"
-        raise RuntimeError(message)
+    _draw(file, output, failed)
 
 
 def _measured(begun: Record, folder: Path, *, quick: bool) -> list[str]:
@@ -697,6 +694,7 @@ def _measured(begun: Record, folder: Path, *, quick: bool) -> list[str]:
     failed = []
     wanted = run.cells(quick=quick)
     missing = run.missing(begun, wanted)
+    begun.expect(len(wanted))
     if kept := len(wanted) - len(missing):
         _say(f"{kept} of {len(wanted)} measurements are there already")
     try:
@@ -717,8 +715,11 @@ def _document(source: Path, folder: Path) -> None:
         _say(f"wrote {path}")
 
 
-def _draw(source: Path, folder: Path) -> None:
-    """The plots, page and text of a report.json; exits 1 if a claim does not hold, in full, not by a quick one."""
+def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
+    """The plots, page and text of a report.json. Exits 1 if a claim does not hold, in full, not by a quick one.
+
+    failed: measurements that could not be had, which is said first of all: RuntimeError, once all is drawn.
+    """
     from .report import claims, draw, findings, record, summary
 
     content, found = record.read(source), findings.read(source)
@@ -734,6 +735,9 @@ def _draw(source: Path, folder: Path) -> None:
     broken = [(run, claim) for run in found for claim in claims.of(run) if not claim.holds]
     for run, claim in broken:
         _say(f"{summary.title(run)}: {claim.text}")
+    if failed:
+        message = f"{len(failed)} measurements failed, {failed[0]} first; give the command again"
+        raise RuntimeError(message)
     if not all(run.quick for run, _ in broken):
         raise typer.Exit(1)
 

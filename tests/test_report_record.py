@@ -22,13 +22,21 @@ def test_a_record_goes_on(path):
     assert begun(path, "5.2.3", quick=False).cells == {"accuracy/b": {"n": 1.5}}
 
 
-@pytest.mark.parametrize(("of", "other"), [("versions", {}), ("vgroove", "9.9.9"), ("quick", True)])
-def test_what_else_was_measured_is_not_mixed_in(path, of, other):
+@pytest.mark.parametrize(
+    ("of", "other", "said"),
+    [
+        ("versions", {"numpy": "1.0"}, "measurements by numpy 1.0, which is 2"),
+        ("vgroove", "9.9.9", "measurements by vgroove 9.9.9, which is 0"),
+        ("quick", True, "a quick report, not a full one"),
+    ],
+)
+def test_what_else_was_measured_is_not_mixed_in(path, of, other, said):
     begun(path, "5.2.3", quick=False).keep("accuracy/b", {})
     content = json.loads(path.read_text())
-    content["runs"]["5.2.3"][of] = other
+    was = content["runs"]["5.2.3"][of]
+    content["runs"]["5.2.3"][of] = was | other if isinstance(other, dict) else other
     path.write_text(json.dumps(content))
-    with pytest.raises(ReportError, match=f"of other {of}; choose another folder"):
+    with pytest.raises(ReportError, match=rf"holds {said}.*; choose another folder with -o$"):
         begun(path, "5.2.3", quick=False)
     assert begun(path, "4.5.15", quick=False).cells == {}
 
@@ -68,6 +76,24 @@ def test_a_report_is_small_and_loses_nothing_but_digits(path):
     kept = record.read(path)["runs"]["5.2.3"]["cells"]["accuracy/b"]
     assert kept == found | {"n": [0.333333333, 2.0, None]}
     assert '"n": [0.333333333, 2.0, null],' in path.read_text()
+
+
+def test_what_is_next_to_1_is_not_1(path):
+    begun(path, "5.2.3", quick=False).keep("stability/b", {"value": [1.0 - 1e-9, 1.0 + 1e-9, 1.0]})
+    assert record.read(path)["runs"]["5.2.3"]["cells"]["stability/b"]["value"] == [1.0 - 1e-9, 1.0 + 1e-9, 1.0]
+
+
+def test_what_a_measurement_took_is_kept_and_what_is_lacking_is_known(path):
+    """Of a part that is measured anew it is forgotten."""
+    one = begun(path, "5.2.3", quick=False)
+    one.expect(3)
+    one.keep("accuracy/b", {"n": 1}, 61.26)
+    one.keep("picks/b", {"n": 1}, 0.5)
+    run = record.read(path)["runs"]["5.2.3"]
+    assert (run["wanted"], run["seconds"]) == (3, {"accuracy/b": 61.3, "picks/b": 0.5})
+    assert begun(path, "5.2.3", quick=False, again=["picks"]).content["runs"]["5.2.3"]["seconds"] == {
+        "accuracy/b": 61.3
+    }
 
 
 def test_what_is_no_number_is_null(path):

@@ -122,7 +122,11 @@ def _pictures(run: Run) -> Claim | None:
     if not run.left_out:
         return None
     differing = [case.title for case in run.left_out if not case.all_same]
-    found = f"in {len(run.left_out) - len(differing)} of {len(run.left_out)} cases"
+    put_back = sum(any(one.same is not None for one in case.dropped) for case in run.left_out)
+    found = (
+        f"in {len(run.left_out) - len(differing)} of {len(run.left_out)} cases beside the universal material's, and "
+        f"in {put_back} of these with one thing after the other put back"
+    )
     if differing:
         found += f"; the pictures differ in {', '.join(differing)}"
     return Claim("Pictures are the same without what was left out", found, not differing)
@@ -136,4 +140,6 @@ def _stability(run: Run) -> Claim | None:
     found = f"{len(run.cases) - len(failed)} of {len(run.cases)}, {limited} of them within a stated limit"
     if failed:
         found += f"; failed: {'; '.join(failed)}"
+        by_z = sum(case.z is not None for case in run.cases)
+        found += f"; {by_z} are judged by Z, of which one fails by chance in one report of a hundred"
     return Claim("Extreme cases pass", found, not failed)

@@ -8,9 +8,11 @@
   more than the scatter of the seeds' times allows.
 - Saving: the universal material's time over a material as built, by more than ``SLOWER``.
 - Extreme cases: passed in one, failed in the other. Pictures of the universal material: likewise.
+- Automatic: another choice, within its bar of the best in one report and beyond it in the other.
 - What only one report has: worse if it is gone, unless one report alone is quick.
 
-Peers are there to be held against, and are not judged themselves.
+Peers are there to be held against, and are not judged themselves. The tables of documents are not compared: they are
+told as they are.
 """
 
 from __future__ import annotations
@@ -64,7 +66,13 @@ def changes(before: list[Run], after: list[Run]) -> tuple[list[Change], int]:
     found = [
         change
         for a, b in pairs
-        for change in (*_gone(a, b), *_accuracy(a, b, limit), *_stability(a, b), *_left_out(a, b))
+        for change in (
+            *_gone(a, b),
+            *_accuracy(a, b, limit),
+            *_automatic(a, b),
+            *_stability(a, b),
+            *_left_out(a, b),
+        )
     ]
     had, has = ({run.blender: run for run in of} for of in (before, after))
     if len(before) > 1 or len(after) > 1:
@@ -213,6 +221,17 @@ def _time(
     growth = np.log(ratios[1] / ratios[0])
     if abs(growth) > max(np.log(SLOWER), limit * np.sqrt(variance)):
         yield Change(*place, f"time over {names[0]}", times(ratios[0]), times(ratios[1]), worse=bool(growth > 0.0))
+
+
+def _automatic(a: Run, b: Run) -> Iterator[Change]:
+    for one, other in _contests(a, b):
+        picks = {pick.samples: pick for pick in other.picks}
+        for pick in one.picks:
+            new = picks.get(pick.samples, pick)
+            if new.close != pick.close and new.estimator != pick.estimator:
+                figures = (f"{times(of.ratio)} ({of.estimator})" for of in (pick, new))
+                yield Change(b.blender, one.title, "Automatic", f"error over the best at {pick.samples} samples",
+                             *figures, worse=pick.close)  # fmt: skip
 
 
 def _name(case: Case) -> tuple[str, str, str, str]:

@@ -249,6 +249,7 @@ class Contest:
     refused: dict[str, str]  # what Automatic may not pick, and why
     pictures: dict[str, str]  # by contender, and the "reference"
     picture_samples: int
+    size: int  # pixels, across and down; 0 where a report does not say it
 
     @property
     def title(self) -> str:
@@ -380,7 +381,10 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Case:
-    """An extreme case. setup: how it is rendered; limit: what is done in place of what was asked, "" if nothing."""
+    """An extreme case. setup: how it is rendered; limit: what is done in place of what was asked, "" if nothing.
+
+    resolves: the smallest common factor, less 1, that z would have told from chance. error, bar: of what is exact.
+    """
 
     group: str
     what: str
@@ -390,13 +394,16 @@ class Case:
     lowest: float | None
     highest: float | None
     z: float | None
+    resolves: float | None
+    error: float | None
+    bar: float | None
     limit: str
     passed: bool
 
 
 @dataclass(frozen=True)
 class Run:
-    """All that was measured on one Blender."""
+    """All that was measured on one Blender. lacks: how many measurements are still to be had; seconds: by the clock."""
 
     blender: str
     vgroove: str
@@ -405,6 +412,8 @@ class Run:
     cases: tuple[Case, ...]
     left_out: tuple[LeftOut, ...]
     tables: dict[str, dict[str, dict[str, Any]]]  # that documents tell, by cell and name
+    lacks: int
+    seconds: float  # 0 where a report does not say it of all
 
     @property
     def curves(self) -> Iterator[tuple[Contest, Curve]]:
@@ -456,7 +465,12 @@ def _run(blender: str, run: dict[str, Any]) -> Run:
         except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
             message = f"{key}: not as this vgroove writes it ({type(error).__name__}: {error}); measure it anew"
             raise ReportError(message) from error
-    return Run(blender, run["vgroove"], run["quick"], tuple(contests), tuple(cases), tuple(left_out), tables)
+    taken = run.get("seconds", {})
+    seconds = sum(taken.values()) if taken.keys() >= run["cells"].keys() else 0.0
+    lacks = max(run.get("wanted", 0) - len(run["cells"]), 0)
+    return Run(
+        blender, run["vgroove"], run["quick"], tuple(contests), tuple(cases), tuple(left_out), tables, lacks, seconds
+    )
 
 
 def _contest(cell: dict[str, Any], picked: dict[str, Any]) -> Contest:
@@ -467,12 +481,15 @@ def _contest(cell: dict[str, Any], picked: dict[str, Any]) -> Contest:
         cell.get("truth", ""),
         {name: _curve(name, samples, one, cell["scene"]) for name, one in cell["contenders"].items()},
         tuple(picked.get("estimators") or ()), picked.get("refused") or {},
-        pictures.get("files", {}), pictures.get("samples", 0),
+        pictures.get("files", {}), pictures.get("samples", 0), cell.get("size", 0),
     )  # fmt: skip
 
 
 def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], scene: str) -> Curve:
-    """Where rays seldom hit the lamp, a bias of what has none is light that no seed has met yet."""
+    """Where rays seldom hit the lamp, a bias of what has none is light that no seed has met yet.
+
+    What so many samples have not met, fewer have not.
+    """
     numbers: dict[str, Any] = {key: np.asarray(one[key], np.float64) for key in NUMBERS}
     flip = np.asarray(one["flip"], np.float64) if one.get("flip") else None
     words: dict[str, Any] = {key: one.get(key) or "" for key in ("estimator", "backend", "peer", "differs")}
@@ -481,6 +498,7 @@ def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], scene: 
     seldom = scene in SELDOM and words["estimator"] in RANDOM
     if seldom:
         resolved = resolved & ~(numbers["bias2"] > TOLD * numbers["bias2_error"])
+        resolved = np.logical_and.accumulate(resolved[::-1])[::-1]
     return Curve(
         name, samples=samples, flip=flip, cpu_spread=spread, resolved=resolved, seldom=seldom, **words, **numbers
     )
@@ -488,18 +506,26 @@ def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], scene: 
 
 def _case(group: str, case: dict[str, Any]) -> Case:
     return Case(
-        group, case["what"], _words(case["value"]), case.get("setup", ""), case["finite"], case.get("lowest"),
-        case.get("highest"), case.get("z"), case.get("limit") or "", case["passed"],
+        group, case["what"], _value(case), case.get("setup", ""), case["finite"], case.get("lowest"),
+        case.get("highest"), case.get("z"), case.get("resolves"), case.get("error"), case.get("bar"),
+        case.get("limit") or "", case["passed"],
     )  # fmt: skip
 
 
+def _value(case: dict[str, Any]) -> str:
+    """And what float32 has of it, where that is another number for a reader: 1 of 1 + 1e-9."""
+    value, held = case["value"], case.get("held")
+    rounded = isinstance(value, float) and held is not None and held != value and held == round(held)
+    return _words(value) + (f" ({held:g} in float32)" if rounded else "")
+
+
 def _words(value: Any) -> str:
-    """A number in short, a table as its names and values."""
+    """A number, a table as its names and values."""
     if isinstance(value, dict):
         return ", ".join(f"{name.replace('_', ' ')} {_words(one)}" for name, one in value.items()) or "as usual"
     if isinstance(value, list):
         return " ".join(_words(one) for one in value)
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def _left_out(name: str, cell: dict[str, Any], setup: dict[str, Any]) -> LeftOut:

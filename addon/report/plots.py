@@ -56,9 +56,11 @@ PEERS = {
     "": ("#000000", (8, 3)),  # another renderer's
 }
 SLANTED: dict[str, Any] = {"c": "#888888", "lw": 0.4, "alpha": 0.5}  # lines of slope -1/2
+FLOOR: dict[str, Any] = {"lw": 4, "alpha": 0.6, "solid_capstyle": "butt"}
 CROSS: dict[str, Any] = {"marker": "x", "ms": 4, "ls": ""}
 PASSED, LIMITED, FAILED = "#009e73", "#a6dccb", "#d55e00"
 PANEL = (2.7, 2.1)  # inches
+IN_A_ROW = 40  # cases
 
 
 class Drawn(NamedTuple):
@@ -106,8 +108,9 @@ def error(run: Run) -> Figure:
             ax.plot(curve.cpu, curve.rmse, **look)
             _unknown(ax, curve, curve.cpu, curve.rmse, look["color"])
             if curve.competes and curve.told:
-                ax.plot([0.9, 1.0], [curve.floor] * 2, ":", c=look["color"], lw=2, transform=ax.get_yaxis_transform())
-    _finish(figure, panels, [curve.cpu for _, curve in run.curves], [curve.rmse for _, curve in run.curves])
+                ax.plot([0.93, 1.0], [curve.floor] * 2, c=look["color"], **FLOOR, transform=ax.get_yaxis_transform())
+    floor = Line2D([], [], label="bias left", c="#666666", **FLOOR)
+    _finish(figure, panels, [curve.cpu for _, curve in run.curves], [curve.rmse for _, curve in run.curves], (floor,))
     return figure
 
 
@@ -163,6 +166,7 @@ def _finish(
     panels: list[tuple[Contest, Axes]],
     across: list[NDArray[np.float64]],
     up: list[NDArray[np.float64]],
+    more: tuple[Line2D, ...] = (),
 ) -> None:
     """The same logarithmic axes for all panels, lines of slope -1/2 to hold curves against, and one legend."""
     left, right = float(np.min(np.concatenate(across))), float(np.max(np.concatenate(across)))
@@ -180,9 +184,8 @@ def _finish(
         first, last = (np.floor(np.log10(low * np.sqrt(x[0]))), np.ceil(np.log10(high * np.sqrt(x[1]))))
         for power in np.arange(first, last + 0.5, 0.5):
             ax.plot(x, 10.0**power / np.sqrt(x), **SLANTED, zorder=0)
-    figure.legend(
-        handles=_legend([contest for contest, _ in panels]), loc="outside upper center", ncols=6, frameon=False
-    )
+    handles = [*_legend([contest for contest, _ in panels]), *more]
+    figure.legend(handles=handles, loc="outside upper center", ncols=6, frameon=False)
 
 
 def _looks(contest: Contest) -> Iterator[tuple[Curve, dict[str, Any]]]:
@@ -218,22 +221,27 @@ def _legend(contests: list[Contest]) -> list[Line2D]:
 
 
 def stability(run: Run) -> Figure:
-    """A row for each group, a square for each case."""
+    """Rows for each group, a square for each case."""
     groups: dict[str, list[Case]] = {}
     for case in run.cases:
         groups.setdefault(case.group, []).append(case)
-    most = max(24, *(len(cases) for cases in groups.values()))
-    figure = Figure(figsize=(2.2 + 0.2 * most, 0.7 + 0.24 * len(groups)), layout="constrained")
+    rows: list[tuple[str, list[Case]]] = []
+    for group, cases in groups.items():
+        starts = range(0, len(cases), IN_A_ROW)
+        rows += [("" if start else group, cases[start : start + IN_A_ROW]) for start in starts]
+    most = max(24, *(len(cases) for _, cases in rows))
+    figure = Figure(figsize=(2.2 + 0.2 * most, 0.7 + 0.24 * len(rows)), layout="constrained")
     ax = figure.subplots()
-    for row, cases in enumerate(groups.values()):
+    for row, (_, cases) in enumerate(rows):
         for column, case in enumerate(cases):
             colour = FAILED if not case.passed else LIMITED if case.limit else PASSED
             ax.add_patch(Rectangle((column + 0.06, row + 0.06), 0.88, 0.88, color=colour, lw=0))
             if not case.passed:
                 ax.plot([column + 0.5], [row + 0.5], "x", c="white", ms=4)
     ax.set(
-        xlim=(0, most), ylim=(len(groups), 0), yticks=np.arange(len(groups)) + 0.5, yticklabels=list(groups), xticks=[]
-    )
+        xlim=(0, most), ylim=(len(rows), 0), xticks=[],
+        yticks=np.arange(len(rows)) + 0.5, yticklabels=[group for group, _ in rows],
+    )  # fmt: skip
     ax.set_aspect("equal", anchor="W")
     ax.grid(visible=False)
     ax.spines[:].set_visible(False)

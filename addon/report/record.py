@@ -3,10 +3,11 @@
 
     {"format": 2, "machine": {...}, "runs": {"5.2.3": {
         "vgroove": "0.1.0", "versions": {...}, "quick": false, "code": {"accuracy": "9f3a...", ...},
-        "seconds": {KEY: 71.3, ...}, "cells": {KEY: {...}}}}}
+        "wanted": 80, "seconds": {KEY: 71.3, ...}, "cells": {KEY: {...}}}}}
 
 A key is PART/WHAT, as in "accuracy/softbox/copper"; what a cell holds is said where it is measured. ``code`` is, for
-each part, a digest of all that decides its numbers; ``seconds`` is how long each cell took, by the clock.
+each part, a digest of all that decides its numbers; ``wanted`` is how many cells there are to be, and ``seconds`` how
+long each took, by the clock.
 """
 
 from __future__ import annotations
@@ -89,6 +90,10 @@ class Record:
     def cells(self) -> dict[str, dict[str, Any]]:
         return self.content["runs"][self.blender]["cells"]
 
+    def expect(self, wanted: int) -> None:
+        """How many cells it is to have."""
+        self.content["runs"][self.blender]["wanted"] = wanted
+
     def keep(self, key: str, found: dict[str, Any], seconds: float = 0.0) -> None:
         """Add a cell that took so long, and write the file, with what another Blender's process put there meanwhile."""
         if self.path.exists():
@@ -113,10 +118,8 @@ def begun(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -
         raise ReportError(message)
     new = {"vgroove": version("vgroove"), "versions": versions(), "quick": quick}
     run = content["runs"].setdefault(blender, new | {"code": {}, "seconds": {}, "cells": {}})
-    differ = [name for name, value in new.items() if run.get(name) != value]
-    if differ:
-        kind = "a quick report" if run.get("quick") else "a full report"
-        message = f"{path}: holds {kind} of other {' and '.join(differ)}; choose another folder with -o"
+    if differ := list(_differences(run, new)):
+        message = f"{path}: holds {' and '.join(differ)}; choose another folder with -o"
         raise ReportError(message)
     for kept in ("cells", "seconds"):
         run[kept] = {key: of for key, of in run.get(kept, {}).items() if part_of(key) not in again}
@@ -128,6 +131,16 @@ def begun(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -
         message = f"{path}: other code measured {' and '.join(stale)}; give {options}, or another folder with -o"
         raise ReportError(message)
     return Record(path, blender, content, digests)
+
+
+def _differences(old: dict[str, Any], new: dict[str, Any]) -> Iterator[str]:
+    """What a report was measured by and how, where that is not what would go on with it."""
+    if old["quick"] != new["quick"]:
+        yield "a full report, where a quick one is asked for" if new["quick"] else "a quick report, not a full one"
+    had, has = ({"vgroove": run["vgroove"]} | run.get("versions", {}) for run in (old, new))
+    for name in sorted({*had, *has}):
+        if had.get(name) != has.get(name):
+            yield f"measurements by {name} {had.get(name, 'none')}, which is {has.get(name, 'gone')} here"
 
 
 def part_of(key: str) -> str:

@@ -51,7 +51,9 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
         for contest in run.contests:
             lines += ["", f"#### {contest.title}", "", about(contest), "", *table(CURVE_COLUMNS, curve_rows(contest))]
         if run.cases:
-            lines += ["", "### Extreme cases", *images.get("stability", []), "", *table(CASE_COLUMNS, case_rows(run))]
+            lines += ["", "### Extreme cases", *images.get("stability", []), "", CASES, ""]
+            lines += [f"<details><summary>{len(run.cases)} cases</summary>", "", *table(CASE_COLUMNS, case_rows(run))]
+            lines += ["", "</details>"]
         if run.left_out:
             lines += [
                 "",
@@ -82,31 +84,42 @@ TOO_SHORT = "Where all renders are too short to be judged by their times, who er
 CURVES = (
     "Slope: of log noise over log samples, from 64 to 4096. Bias: at the most samples; < where it cannot be told from "
     "0. Times: of the processor, and in brackets by the clock. Not resolved: rare events make most of the noise, and "
-    "no seed has met them; such sample counts are left out."
+    "no seed has met them; such sample counts are left out. Direct leaves out all but lamps, which counts as its bias. "
+    "Automatic goes by rounded numbers of reports like this one, which it is seen to use well here; that they hold "
+    "elsewhere is not seen. Not raced: glass in a furnace, which sends back all light, and what scatters below its "
+    "surface under a lamp, which no formula at lamps has."
 )
 CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for target in TARGETS), "FLIP", "remarks")
-CASE_COLUMNS = ("group", "what", "value", "run as", "lowest", "highest", "Z", "limit", "")
+CASES = (
+    "Lowest and highest: of all pixels; under a white sky what is sent back of it, else f in 1/sr. Z: of one factor on "
+    "all pixels, and the smallest that it would have told from chance. Error: of what needs no chance, beside its bar."
+)
+CASE_COLUMNS = (
+    "group", "what", "value", "run as", "lowest", "highest", "Z", "tells", "error", "bar", "limit", "",
+)  # fmt: skip
 LEFT_OUT = (
-    "The universal material, which shows presets by its inputs alone (all but absorption, which it leaves to the one "
-    "as built), against each as it is built. Time and first (a render that compiles): universal over as built. Nodes, "
-    "instructions of OSL, MB that it takes beside Blender: as built / universal."
+    "The universal material (one for each estimator and backend, which are no inputs), which shows presets by its "
+    "inputs alone (all but absorption, which it leaves to the one as built), against each as it is built. Time and "
+    "first (a render that compiles): universal over as built. Nodes, instructions of OSL, MB that it takes beside "
+    "Blender: as built / universal."
 )
 LEFT_OUT_COLUMNS = (
     "case", "preset", "scene", "run as", "time", "spread", "first", "nodes", "instructions", "MB", "picture",
 )  # fmt: skip
 DROPPED = (
     "What the builder leaves out: in how many cases, and how many nodes more and times as long in the median of those "
-    "where it was put back."
+    "where it was put back. These times are of one round each: what differs little from 1 is chance."
 )
 DROPPED_COLUMNS = ("what", "left out", "nodes", "time", "picture")
 DROPPED_EACH = "Case by case, and why."
 DROPPED_EACH_COLUMNS = ("case", "what", "why", "nodes", "time", "picture")
-EVEN, HASHED = ("closure", "fit", "corrected"), ("hybrid", "direct")  # whose random numbers are Cycles', or ours
+EVEN, HASHED = ("closure", "fit", "corrected"), ("hybrid", "mirror")  # whose random numbers are Cycles', or ours
 SAME = {True: "the same", False: "DIFFERS", None: ""}
 
 
 def title(run: Run) -> str:
-    return f"Blender {run.blender}" + (", quick" if run.quick else "")
+    lacks = f", which lacks {run.lacks} measurements yet" if run.lacks else ""
+    return f"Blender {run.blender}" + (", quick" if run.quick else "") + lacks
 
 
 def machine_text(machine: Mapping[str, Any]) -> str:
@@ -117,21 +130,32 @@ def headlines(run: Run) -> list[str]:
     """What a report must show, whether it does, and what else it says in a sentence."""
     return [
         *(claim.text for claim in claims.of(run)),
-        *(line for of in (_winners, _bends, _backends) if (line := of(run))),
+        *(line for of in (_winners, _bends, _backends, _taken) if (line := of(run))),
     ]
 
 
 def _winners(run: Run) -> str:
-    """In the median and at worst, as one estimator may be the best in most scenes and far off in some."""
+    """In the median and at worst, as one estimator may be the best in most scenes and far off in some.
+
+    Where rays seldom hit the lamp, a factor would be of a handful of hits.
+    """
     said = []
+    seldom = {(contest.title, curve.estimator) for contest, curve in run.curves if curve.competes and curve.seldom}
     for name in AGAINST:
-        found = [(win.over[name], contest.title) for contest, win in run.wins if name in win.over]
+        found = [
+            (win.over[name], contest.title)
+            for contest, win in run.wins
+            if name in win.over and (contest.title, name) not in seldom
+        ]
         if found:
             worst, where = max(found)
             said.append(
                 f"{name} errs {times(median(factor for factor, _ in found))}, at worst {times(worst)} ({where}),"
             )
-    return f"After the same time, in the median, {' and '.join(said)} as much as the best estimator." if said else ""
+    if not said:
+        return ""
+    but = " Not counted is what seldom hits the lamp." if seldom else ""
+    return f"After the same time, in the median, {' and '.join(said)} as much as the best estimator.{but}"
 
 
 def _bends(run: Run) -> str:
@@ -143,16 +167,26 @@ def _bends(run: Run) -> str:
     return (
         f"Noise of {', '.join(EVEN)} falls as samples to the power of {number(median(even))} in the median "
         f"({number(min(even))} to {number(max(even))}), as Cycles spreads a pixel's samples evenly; that of "
-        f"{' and '.join(HASHED)} as {number(median(random))}, as theirs are independent, by a hash. Errors stop "
-        "falling where bias is left, which plots mark, and jump where a light is met for the first time."
+        f"{' and '.join(HASHED)} as {number(median(random))} ({number(min(random))} to {number(max(random))}), as "
+        "their facets are independent, by a hash. Errors stop falling where bias is left, which plots mark, and jump "
+        "where a light is met for the first time."
     )
 
 
 def _backends(run: Run) -> str:
-    ratios = [ratio for contest in run.contests for ratio in contest.osl_over_nodes.values()]
+    """Where both were timed: elsewhere their pictures would be told twice."""
+    timed = {contest.title: contest.osl_over_nodes for contest in run.contests if contest.osl_over_nodes}
+    if not timed:
+        return ""
+    ratios = [ratio for of in timed.values() for ratio in of.values()]
     return (
-        f"A sample takes {times(median(ratios))} as long as OSL as it does as nodes, in the median." if ratios else ""
+        f"A sample takes {times(median(ratios))} as long as OSL as it does as nodes, in the median of {len(ratios)} "
+        f"estimators in {' and '.join(timed)}, the only ones timed as both."
     )
+
+
+def _taken(run: Run) -> str:
+    return f"All of this took {run.seconds / 60:.0f} minutes to measure." if run.seconds else ""
 
 
 def win_rows(run: Run) -> tuple[list[str], list[list[str]]]:
@@ -184,7 +218,8 @@ def too_short(run: Run) -> list[str]:
 def about(contest: Contest) -> str:
     """The truth, the seeds, and Automatic's choices in words."""
     few, many = int(np.min(contest.seeds)), int(np.max(contest.seeds))
-    said = f"Truth: {contest.truth}. {many if few == many else f'{few} to {many}'} seeds." + (
+    pixels = f" {contest.size} × {contest.size} pixels." if contest.size else ""
+    said = f"Truth: {contest.truth}. {many if few == many else f'{few} to {many}'} seeds.{pixels}" + (
         f" m = {contest.m:g}." if contest.m else ""
     )
     if contest.picks:
@@ -216,7 +251,7 @@ def case_rows(run: Run) -> list[list[str]]:
     return [
         [
             case.group, case.what, case.value, case.setup, plain(case.lowest), plain(case.highest), plain(case.z),
-            case.limit, "passed" if case.passed else "FAILED",
+            plain(case.resolves), plain(case.error), plain(case.bar), case.limit, "passed" if case.passed else "FAILED",
         ]
         for case in ordered
     ]  # fmt: skip
