@@ -432,7 +432,7 @@ def _universal_caption(choice: Choice) -> str:
         said += f", with terms of {terms} lamps"
     if choice.backend == Backend.NODES and not universal.fits():
         said += "; does not fit in this Blender"
-    return said
+    return said + ". Times and memory: docs/report.md"
 
 
 @app.command()

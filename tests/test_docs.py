@@ -123,6 +123,14 @@ def test_the_report_in_docs_is_drawn_from_its_numbers(reported, tmp_path):
     assert (ROOT / "docs" / "report.json").stat().st_size < 1_000_000
 
 
+def test_the_report_in_docs_is_whole_and_of_the_same_code_on_both_blenders():
+    """Else figures of different programs would stand beside each other."""
+    runs = json.loads((ROOT / "docs" / "report.json").read_text(encoding="utf-8"))["runs"]
+    new, old = (runs[blender] for blender in sorted(runs, reverse=True))
+    assert new["code"] == old["code"]
+    assert new["cells"].keys() == old["cells"].keys()
+
+
 @pytest.mark.parametrize("name", ["errata", "oren_nayar", "fit"])
 def test_what_is_computed_is_computed_anew(name, reported):
     """Of what needs no render: to the last digit that is told, and more."""
