@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from ..presets import Preset
     from .scenes import Stage
 
-SIZE, SMALLER = 24, 16  # pixels
+SIZE, SMALLER = 20, 14  # pixels: with these a full report takes less than an hour on two cores
 SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
 SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
 PICTURE_SIZE, PICTURE_SAMPLES = 64, 64
