@@ -29,19 +29,15 @@ def test_the_published_report_shows_what_it_must(blender_version):
     failed = [f"{case.group}: {case.what}" for case in RUNS[blender_version].cases if not case.passed]
     assert failed == BY_CHANCE.get(blender_version, [])
     broken = [claim for claim in found if not claim.holds]
-    known = ("Automatic", "Extreme cases") if failed else ("Automatic",)
-    assert all(claim.claim.startswith(known) for claim in broken), [claim.text for claim in broken]
+    assert [claim.claim for claim in broken] == ["Extreme cases pass"] * bool(failed), [claim.text for claim in broken]
 
 
 @pytest.mark.parametrize("blender_version", RUNS)
 def test_automatic_is_within_ten_percent_of_the_best(blender_version):
-    """But where hybrid and mirror change places in an even light: each errs more than 10 % beside the other there."""
-    far = [(contest.scene, pick) for contest, pick in RUNS[blender_version].picks if not pick.close]
-    assert len(far) <= 1
-    for scene_name, pick in far:
-        assert (scene_name, pick.samples) == ("furnace", 4096)
-        assert {pick.estimator, pick.winner} == {"hybrid", "mirror"}
-        assert pick.ratio < 1.15
+    """Of a few it is not told: where rare events make the noise, errors are known to a third."""
+    picks = [pick for _, pick in RUNS[blender_version].picks]
+    assert not [pick for pick in picks if pick.far]
+    assert sum(not pick.close for pick in picks) <= 0.02 * len(picks)
 
 
 @pytest.mark.blender

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .findings import rmse_error
 from .record import ReportError
 from .words import percent, times
 
@@ -178,17 +179,6 @@ def _accuracy(a: Run, b: Run, limit: float) -> Iterator[Change]:
         if one.told_at[here[-1]] != two.told_at[there[-1]] and abs(moved) > noise:
             figures = _bias(one, here[-1]), _bias(two, there[-1])
             yield Change(*place, "bias", *figures, worse=bool(moved > 0.0))
-
-
-def rmse_error(curve: Curve, seeds: NDArray[np.int_]) -> NDArray[np.float64]:
-    """Standard error of the root mean square of an error, by the cell's own figures; rather too large than too small.
-
-    ``statistics.error`` takes bias^2 from products of two of S seeds, so that bias^2 + noise^2 is the mean of the
-    seeds' squares. Its variance is that of one seed's over S: sum (2 v^2 + 4 b^2 v) / S / P^2, with v the variance in a
-    pixel; that of bias^2 is sum (2 (v / S)^2 + 4 b^2 v / S) / P^2, at least a share 1 / S of it. And dx = d(x^2) / 2x.
-    """
-    total = curve.bias2_error * np.sqrt(seeds)
-    return total / np.maximum(2.0 * curve.rmse, np.finfo(np.float64).tiny)
 
 
 def _bias(curve: Curve, index: int) -> str:

@@ -38,6 +38,7 @@ SELDOM = ("sun", "outdoors")  # whose lamp is so small that random rays seldom h
 RANDOM = ("mirror", "hybrid")  # estimators that must hit it so; without bias, or next to none
 TOLD = 3.0  # standard errors by which a bias must exceed 0 to be told from it
 CLOSE = 1.1  # Automatic's error over the winner's that still counts as good a choice
+CHANCE = 2.0  # standard errors by which it must be more for a poor one
 NUMBERS = ("rmse", "bias2", "bias2_error", "noise", "wall", "cpu")  # of a contender, one a sample count
 AGAINST = ("closure", "mirror")  # what a winner is held against
 
@@ -222,17 +223,23 @@ class Pick:
     """What Automatic takes at a sample count, and its error over the winner's.
 
     Both are given equal processor time for their samples. What a render starts with is left out: it does not grow with
-    the picture, and those that a report renders are small.
+    the picture, and those that a report renders are small. doubt: the standard error of the ratio's logarithm.
     """
 
     samples: int
     estimator: str
     winner: str
     ratio: float
+    doubt: float
 
     @property
     def close(self) -> bool:
         return self.ratio <= CLOSE
+
+    @property
+    def far(self) -> bool:
+        """Whether it is not close, and chance does not explain it: where rare events make noise, errors scatter."""
+        return float(np.log(self.ratio / CLOSE)) > CHANCE * self.doubt
 
 
 @dataclass(frozen=True)
@@ -250,6 +257,7 @@ class Contest:
     pictures: dict[str, str]  # by contender, and the "reference"
     picture_samples: int
     size: int  # pixels, across and down; 0 where a report does not say it
+    smooth: bool  # an interface without facets
 
     @property
     def title(self) -> str:
@@ -322,8 +330,26 @@ class Contest:
             errors[name] = float(own.rmse[index])
             winner = min(errors, key=lambda one: errors[one])
             ratio = errors[name] / errors[winner] if errors[winner] > 0.0 else 1.0
-            found.append(Pick(int(own.samples[index]), name, winner, ratio))
+            best = by_estimator[winner]
+            there = int(np.searchsorted(best.samples[1:], seconds / best.per_sample, side="right"))
+            doubt = np.hypot(self._doubt(own)[index], self._doubt(best)[there])
+            found.append(Pick(int(own.samples[index]), name, winner, ratio, float(doubt)))
         return found
+
+    def _doubt(self, curve: Curve) -> NDArray[np.float64]:
+        """Standard error of the logarithm of an error."""
+        return rmse_error(curve, self.seeds) / _positive(curve.rmse)
+
+
+def rmse_error(curve: Curve, seeds: NDArray[np.int_]) -> NDArray[np.float64]:
+    """Standard error of the root mean square of an error, by the cell's own figures; rather too large than too small.
+
+    ``statistics.error`` takes bias^2 from products of two of S seeds, so that bias^2 + noise^2 is the mean of the
+    seeds' squares. Its variance is that of one seed's over S: sum (2 v^2 + 4 b^2 v) / S / P^2, with v the variance in a
+    pixel; that of bias^2 is sum (2 (v / S)^2 + 4 b^2 v / S) / P^2, at least a share 1 / S of it. And dx = d(x^2) / 2x.
+    """
+    total = curve.bias2_error * np.sqrt(seeds)
+    return total / np.maximum(2.0 * curve.rmse, np.finfo(np.float64).tiny)
 
 
 def _win(at: float, errors: dict[str, float]) -> Win | None:
@@ -482,6 +508,7 @@ def _contest(cell: dict[str, Any], picked: dict[str, Any]) -> Contest:
         {name: _curve(name, samples, one, cell["scene"]) for name, one in cell["contenders"].items()},
         tuple(picked.get("estimators") or ()), picked.get("refused") or {},
         pictures.get("files", {}), pictures.get("samples", 0), cell.get("size", 0),
+        (cell.get("model"), cell.get("m")) == ("glass", 0.0),
     )  # fmt: skip
 
 

@@ -160,7 +160,11 @@ def _winners(run: Run) -> str:
 
 def _bends(run: Run) -> str:
     """Why curves are no straight lines of slope -1/2."""
-    known = [(curve.estimator, curve.slope.value) for _, curve in run.curves if curve.competes and curve.slope]
+    known = [
+        (curve.estimator, curve.slope.value)
+        for contest, curve in run.curves
+        if curve.competes and curve.slope and not contest.smooth
+    ]
     even, random = ([slope for name, slope in known if name in names] for names in (EVEN, HASHED))
     if not even or not random:
         return ""
