@@ -7,6 +7,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from mathutils import Vector
 
 from vgroove import nodegroups
 from vgroove.addon import advice, check, gonio, headless, lamps, material
@@ -478,7 +479,7 @@ def bound(blender):
         graph.update()
         tree = ball.evaluated_get(graph).data.materials[0].node_tree
         node = next(node for node in tree.nodes if node.label.startswith("Lamp 1"))
-        return node.inputs["Strength"].default_value, tuple(node.inputs["Axis"].default_value)
+        return node.inputs["Strength"].default_value, tuple(Vector(node.inputs["Axis"].default_value).normalized())
 
     return blender, stage, sun, made, strength
 
