@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING
 
-from .findings import CLOSE, TARGETS
+from .findings import CHANCE, CLOSE, TARGETS
 from .words import number, percent, times
 
 if TYPE_CHECKING:
@@ -40,9 +40,7 @@ def of(run: Run) -> list[Claim]:
 
 
 def _slope(run: Run) -> Claim | None:
-    """Where rare events leave the slope less certain than half the bar, it says nothing for or against the claim.
-
-    Of one as certain as the bar itself chance alone would put a third beyond it; of one twice as certain, a twentieth.
+    """Where rare events leave the slope less certain than the bar, it says nothing for or against the claim.
 
     Nor does that of a smooth interface, where nothing is drawn by a hash and all noise is of Cycles' even samples.
     """
@@ -58,8 +56,13 @@ def _slope(run: Run) -> Claim | None:
     }
     if not slopes:
         return None
-    known = {title: one.value for title, one in slopes.items() if one.error is None or one.error <= SLOPE_BAR / 2}
-    off = [f"{title}: {number(value)}" for title, value in known.items() if abs(value - SLOPE) > SLOPE_BAR]
+    doubt = {title: one.error or 0.0 for title, one in slopes.items()}
+    known = {title: one.value for title, one in slopes.items() if doubt[title] <= SLOPE_BAR}
+    off = [
+        f"{title}: {number(value)}"
+        for title, value in known.items()
+        if abs(value - SLOPE) > SLOPE_BAR + CHANCE * doubt[title]
+    ]
     found = "in no scene is it known so well"
     if known:
         found = (

@@ -45,7 +45,11 @@ AGAINST = ("closure", "mirror")  # what a winner is held against
 
 @dataclass(frozen=True)
 class Slope:
-    """Of log noise over log samples; -1/2 for independent samples. error: its standard error, None of two counts."""
+    """Of log noise over log samples; -1/2 for independent samples.
+
+    error: its standard error, by the line's residuals or by how well the noise is known, whichever is more; None of two
+    counts.
+    """
 
     value: float
     error: float | None
@@ -89,6 +93,7 @@ class Curve:
     cpu: NDArray[np.float64]
     cpu_spread: NDArray[np.float64]
     resolved: NDArray[np.bool_]
+    seeds: NDArray[np.int_]
     seldom: bool
 
     @property
@@ -111,7 +116,9 @@ class Curve:
         if len(x) == 2:
             return Slope(slope, None)
         residual = y - y.mean() - slope * x
-        return Slope(slope, float(np.sqrt(residual @ residual / (len(x) - 2) / (x @ x))))
+        doubt = rmse_error(self, self.seeds)[used] / _positive(self.rmse[used])
+        known = np.sqrt(x**2 @ doubt**2) / (x @ x)  # few points may lie on a line by chance
+        return Slope(slope, float(max(np.sqrt(residual @ residual / (len(x) - 2) / (x @ x)), known)))
 
     @cached_property
     def last(self) -> int | None:
@@ -505,14 +512,14 @@ def _contest(cell: dict[str, Any], picked: dict[str, Any]) -> Contest:
     return Contest(
         cell["scene"], cell["subject"], cell.get("m"), np.broadcast_to(cell["seeds"], samples.shape),
         cell.get("truth", ""),
-        {name: _curve(name, samples, one, cell["scene"]) for name, one in cell["contenders"].items()},
+        {name: _curve(name, samples, one, cell) for name, one in cell["contenders"].items()},
         tuple(picked.get("estimators") or ()), picked.get("refused") or {},
         pictures.get("files", {}), pictures.get("samples", 0), cell.get("size", 0),
         (cell.get("model"), cell.get("m")) == ("glass", 0.0),
     )  # fmt: skip
 
 
-def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], scene: str) -> Curve:
+def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], cell: dict[str, Any]) -> Curve:
     """Where rays seldom hit the lamp, a bias of what has none is light that no seed has met yet.
 
     What so many samples have not met, fewer have not.
@@ -522,12 +529,20 @@ def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], scene: 
     words: dict[str, Any] = {key: one.get(key) or "" for key in ("estimator", "backend", "peer", "differs")}
     spread = np.asarray(one.get("cpu_spread") or np.zeros(samples.shape), np.float64)
     resolved = np.asarray(one.get("resolved") or np.ones(samples.shape), np.bool_)
-    seldom = scene in SELDOM and words["estimator"] in RANDOM
+    seldom = cell["scene"] in SELDOM and words["estimator"] in RANDOM
     if seldom:
         resolved = resolved & ~(numbers["bias2"] > TOLD * numbers["bias2_error"])
         resolved = np.logical_and.accumulate(resolved[::-1])[::-1]
     return Curve(
-        name, samples=samples, flip=flip, cpu_spread=spread, resolved=resolved, seldom=seldom, **words, **numbers
+        name,
+        samples=samples,
+        flip=flip,
+        cpu_spread=spread,
+        resolved=resolved,
+        seldom=seldom,
+        seeds=np.broadcast_to(cell["seeds"], samples.shape),
+        **words,
+        **numbers,
     )
 
 
