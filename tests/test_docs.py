@@ -138,7 +138,8 @@ def test_the_report_in_docs_is_whole_and_of_the_same_code_on_both_blenders(repor
 @pytest.mark.parametrize("name", ["errata", "oren_nayar", "fit"])
 def test_what_is_computed_is_computed_anew(name, reported):
     """Of what needs no render: to the last digit that is told, and more."""
-    for run in reported:
+    assert name in reported[0].tables
+    for run in (run for run in reported if name in run.tables):
         for title, table in figures.measure(ROOT, name)["tables"].items():
             kept = run.tables[name][title]
             assert kept["columns"] == table["columns"]

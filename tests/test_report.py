@@ -134,10 +134,15 @@ def curve(bias, noise, per_sample, counts=COUNTS, **changes):
 
 
 def test_slope_is_that_of_the_noise_over_the_range():
-    """Its least squares are SciPy's, over 64 to 4096 samples alone."""
-    one = curve(0.05, 0.3, 1e-3)
+    """Its least squares are SciPy's, over 64 to 4096 samples alone.
+
+    On a straight line, of seven counts a factor of 2 apart, its error is that of the noise, which is known to
+    1 / sqrt(2 P S).
+    """
+    assert curve(0.05, 0.3, 1e-3).slope.value == pytest.approx(-0.5, abs=1e-12)
+    one = curve(0.0, 0.3, 1e-3)
     assert one.slope.value == pytest.approx(-0.5, abs=1e-12)
-    assert one.slope.error == pytest.approx(0.0, abs=1e-12)
+    assert one.slope.error == pytest.approx(1.0 / np.sqrt(2 * PIXELS * SEEDS * 28 * np.log(2) ** 2), rel=1e-9)
     cell = accuracy()
     bent = np.array(COUNTS) ** -0.4 * np.exp(0.05 * np.random.default_rng(1).standard_normal(len(COUNTS)))
     bent[:4] = 7.0  # 4 to 32 samples

@@ -25,7 +25,7 @@ def test_a_record_goes_on(path):
 @pytest.mark.parametrize(
     ("of", "other", "said"),
     [
-        ("versions", {"numpy": "1.0"}, "measurements by numpy 1.0, which is 2"),
+        ("versions", {"numpy": "1.0"}, "measurements by numpy 1.0, which is [12]"),
         ("vgroove", "9.9.9", "measurements by vgroove 9.9.9, which is 0"),
         ("quick", True, "a quick report, not a full one"),
     ],
