@@ -219,9 +219,9 @@ def _automatic(a: Run, b: Run) -> Iterator[Change]:
         for pick in one.picks:
             new = picks.get(pick.samples, pick)
             if new.close != pick.close and new.estimator != pick.estimator:
-                figures = (f"{times(of.ratio)} ({of.estimator})" for of in (pick, new))
-                yield Change(b.blender, one.title, "Automatic", f"error over the best at {pick.samples} samples",
-                             *figures, worse=pick.close)  # fmt: skip
+                before, after = (f"{times(of.ratio)} ({of.estimator})" for of in (pick, new))
+                what = f"error over the best at {pick.samples} samples"
+                yield Change(b.blender, one.title, "Automatic", what, before, after, worse=pick.close)
 
 
 def _name(case: Case) -> tuple[str, str, str, str]:
