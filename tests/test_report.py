@@ -768,7 +768,7 @@ def test_what_is_gone_is_worse_and_what_is_new_is_neither():
 
 
 def test_what_automatic_picks_is_compared():
-    """corrected with noise .6 errs more than 10 % beyond what it did, at all counts: closure is better to the end."""
+    """mirror in place of corrected: poor where that was close to the best."""
     before, after = report(), report()
     for cells in (before["runs"]["5.2.3"]["cells"], after["runs"]["5.2.3"]["cells"]):
         del cells["stability/slope"], cells["stability/far"]
