@@ -322,9 +322,9 @@ def test_claims_are_those_of_the_numbers():
     )
 
 
-@pytest.mark.parametrize(("power", "holds"), [(-0.449, True), (-0.44, False), (-0.551, True), (-0.56, False)])
+@pytest.mark.parametrize(("power", "holds"), [(-0.451, True), (-0.449, False), (-0.549, True), (-0.551, False)])
 def test_a_slope_may_be_off_by_a_twentieth(power, holds):
-    """And by two standard errors: of seven counts a factor of 2 apart, noise known to 1 / sqrt(2 P S), .0086."""
+    """Plainly: how well it is known is no excuse, but that seeds are to be enough."""
     found, held = claimed({"accuracy/a/b": with_mirror(noise=np.array(COUNTS) ** power)})["The noise of"]
     assert held is holds
     assert ("but softbox, copper" in found) is not holds
@@ -638,7 +638,7 @@ def test_rmse_error_is_how_much_it_scatters():
     cell["contenders"] = {"x": contender(0.0, 1.0, 1e-3, counts=(1,))}
     doubt = np.sqrt(np.sum(2.0 * (variance / SEEDS) ** 2, axis=1)).mean() / pixels
     cell["contenders"]["x"]["bias2_error"] = [float(doubt)]
-    assert rmse.std() < findings.rmse_error(contest(cell).curves["x"], SEEDS)[0] < 1.29 * rmse.std()
+    assert rmse.std() < findings.rmse_error(contest(cell).curves["x"])[0] < 1.29 * rmse.std()
 
 
 def changed(change, cells=None):
@@ -660,7 +660,7 @@ def test_an_error_counts_as_changed_beyond_its_noise(errors, expected):
     def change(cells):
         one = cells["accuracy/softbox/copper"]["contenders"]["mirror, nodes"]
         before = contest(accuracy()).curves["mirror, nodes"]
-        one["rmse"] = (before.rmse + errors * np.sqrt(2.0) * findings.rmse_error(before, SEEDS)).tolist()
+        one["rmse"] = (before.rmse + errors * np.sqrt(2.0) * findings.rmse_error(before)).tolist()
 
     found = changed(change)
     if expected == {}:

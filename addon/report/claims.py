@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING
 
-from .findings import CHANCE, CLOSE, TARGETS
+from .findings import CLOSE, TARGETS
 from .words import number, percent, times
 
 if TYPE_CHECKING:
@@ -58,11 +58,7 @@ def _slope(run: Run) -> Claim | None:
         return None
     doubt = {title: one.error or 0.0 for title, one in slopes.items()}
     known = {title: one.value for title, one in slopes.items() if doubt[title] <= SLOPE_BAR}
-    off = [
-        f"{title}: {number(value)}"
-        for title, value in known.items()
-        if abs(value - SLOPE) > SLOPE_BAR + CHANCE * doubt[title]
-    ]
+    off = [f"{title}: {number(value)}" for title, value in known.items() if abs(value - SLOPE) > SLOPE_BAR]
     found = "in no scene is it known so well"
     if known:
         found = (

@@ -165,7 +165,7 @@ def _accuracy(a: Run, b: Run, limit: float) -> Iterator[Change]:
         if not len(here):
             continue
         off = two.rmse[there] - one.rmse[here]
-        allowed = limit * np.hypot(rmse_error(one, contest.seeds)[here], rmse_error(two, other.seeds)[there])
+        allowed = limit * np.hypot(rmse_error(one)[here], rmse_error(two)[there])
         allowed = np.maximum(allowed, SMALLEST * np.minimum(one.rmse[here], two.rmse[there]))
         for sign in (1.0, -1.0):
             beyond = np.where(sign * off > allowed, np.abs(off) / np.maximum(one.rmse[here], 1e-12), 0.0)

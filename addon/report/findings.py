@@ -116,7 +116,7 @@ class Curve:
         if len(x) == 2:
             return Slope(slope, None)
         residual = y - y.mean() - slope * x
-        doubt = rmse_error(self, self.seeds)[used] / _positive(self.rmse[used])
+        doubt = rmse_error(self)[used] / _positive(self.rmse[used])
         known = np.sqrt(x**2 @ doubt**2) / (x @ x)  # few points may lie on a line by chance
         return Slope(slope, float(max(np.sqrt(residual @ residual / (len(x) - 2) / (x @ x)), known)))
 
@@ -256,7 +256,7 @@ class Contest:
     scene: str
     subject: str
     m: float | None
-    seeds: NDArray[np.int_]  # by sample count
+    seeds: NDArray[np.int_]  # by sample count, of which times were taken
     truth: str
     curves: dict[str, Curve]
     picked: tuple[str, ...]
@@ -345,17 +345,17 @@ class Contest:
 
     def _doubt(self, curve: Curve) -> NDArray[np.float64]:
         """Standard error of the logarithm of an error."""
-        return rmse_error(curve, self.seeds) / _positive(curve.rmse)
+        return rmse_error(curve) / _positive(curve.rmse)
 
 
-def rmse_error(curve: Curve, seeds: NDArray[np.int_]) -> NDArray[np.float64]:
+def rmse_error(curve: Curve) -> NDArray[np.float64]:
     """Standard error of the root mean square of an error, by the cell's own figures; rather too large than too small.
 
     ``statistics.error`` takes bias^2 from products of two of S seeds, so that bias^2 + noise^2 is the mean of the
     seeds' squares. Its variance is that of one seed's over S: sum (2 v^2 + 4 b^2 v) / S / P^2, with v the variance in a
     pixel; that of bias^2 is sum (2 (v / S)^2 + 4 b^2 v / S) / P^2, at least a share 1 / S of it. And dx = d(x^2) / 2x.
     """
-    total = curve.bias2_error * np.sqrt(seeds)
+    total = curve.bias2_error * np.sqrt(curve.seeds)
     return total / np.maximum(2.0 * curve.rmse, np.finfo(np.float64).tiny)
 
 
@@ -540,7 +540,7 @@ def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], cell: d
         cpu_spread=spread,
         resolved=resolved,
         seldom=seldom,
-        seeds=np.broadcast_to(cell["seeds"], samples.shape),
+        seeds=np.broadcast_to(one.get("seeds") or cell["seeds"], samples.shape),
         **words,
         **numbers,
     )

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from .findings import Contest, Curve, Dropped, Reached, Run, Win
     from .plots import Drawn
 
@@ -219,11 +221,22 @@ def too_short(run: Run) -> list[str]:
     ]
 
 
+def _range(counts: NDArray[np.int_]) -> str:
+    few, many = int(np.min(counts)), int(np.max(counts))
+    return f"{many}" if few == many else f"{few} to {many}"
+
+
+def _more_seeds(contest: Contest) -> str:
+    """Of whom there are more than of the rest, where a slope is judged."""
+    more = {curve.estimator: curve.seeds[curve.seeds > contest.seeds] for curve in contest.rivals}
+    said = [f"{estimator} {_range(counts)}" for estimator, counts in more.items() if len(counts)]
+    return f" ({', '.join(said)} where its slope is judged)" if said else ""
+
+
 def about(contest: Contest) -> str:
     """The truth, the seeds, and Automatic's choices in words."""
-    few, many = int(np.min(contest.seeds)), int(np.max(contest.seeds))
     pixels = f" {contest.size} × {contest.size} pixels." if contest.size else ""
-    said = f"Truth: {contest.truth}. {many if few == many else f'{few} to {many}'} seeds.{pixels}" + (
+    said = f"Truth: {contest.truth}. {_range(contest.seeds)} seeds{_more_seeds(contest)}.{pixels}" + (
         f" m = {contest.m:g}." if contest.m else ""
     )
     if contest.picks:
