@@ -42,13 +42,13 @@ if TYPE_CHECKING:
     from ..presets import Preset
     from .scenes import Stage
 
-SIZE, SMALLER = 17, 13  # pixels: a full report is to take less than an hour on two cores, on each Blender
+SIZE, SMALLER = 14, 11  # pixels: a full report is to take less than an hour on two cores, on each Blender
 SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
 SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
 # Of mirror. Noise is known to 1 / sqrt(2 (S - 1) P) of itself by S seeds of P pixels. Where a lamp's reflection lies on
-# P = 15, the slope over these counts is then known to 0.02, where the seeds of all others would leave 0.05.
+# P = 10, the slope over these counts is then known to 0.024, where the seeds of all others would leave 0.06.
 SLOPE_SEEDS = {64: 32, 256: 16, 1024: 12, 4096: 6}
-PICTURE_SIZE, PICTURE_SAMPLES = 64, 64
+PICTURE_SIZE, PICTURE_SAMPLES = 48, 64
 TRUTHS, FIRST_TRUTH = 4, 101  # how many, and the first one's seed
 WORLD_SAMPLES, LAMP_SAMPLES = 8192, 8192  # of each truth: all four have four times what a contender's most have
 DIM = 16  # a world that a lamp outshines takes this many times fewer

@@ -23,8 +23,8 @@ COUNTS, QUICK_COUNTS = (4, 16, 64, 256, 1024, 4096), (16, 64, 256)
 LIT = ("environment", "softbox", "sun")
 PAIRS = (
     *((name, of) for of in ("copper", "plaster", "plastic") for name in ("furnace", *LIT)),
-    *((name, of) for of in ("satin", "rough") for name in LIT),
-    *(("outdoors", of) for of in ("copper", "rough", "plaster")),
+    *((name, of) for of in ("satin", "rough") for name in ("environment", "softbox")),
+    *(("outdoors", of) for of in ("copper", "plaster")),
     ("environment", "paint"),
     ("softbox", "paint"),
     ("environment", "marble"),
