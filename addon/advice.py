@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
 LAMP_SIZE = 0.05  # metres: what "Give lamps a size" gives points and spots
 WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
+FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light turns in glass that often and more
 FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
 
 
@@ -78,6 +79,8 @@ def problems_with(scene: Scene, preset: Preset, backend: str, estimator: str) ->
     for part in list(preset.parts().values()) or [preset]:
         if part.model == "cook_torrance" and estimator in BUILDERS[preset.model]:
             found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
+    if preset.model == "glass" and preset.kind != "thin":  # a sheet has no inside
+        found += _bounce_problems(scene)
     return [*found, *_stale_problems(scene)]
 
 
@@ -92,6 +95,18 @@ def _fresnel_problems(preset: Preset, backend: str, estimator: str) -> Iterator[
     if estimator == "hybrid" and weak:
         text = f"Hybrid's bound holds for reflectances head-on from {WEAKEST:g}, seen from the thinner side"
         yield Problem("bound", f"{text}; this material has {min(head_on):.2g}. Choose Mirror")
+
+
+def _bounce_problems(scene: Scene) -> Iterator[Problem]:
+    """Light that is still on its way through a piece of glass when Cycles ends its path."""
+    cycles = scene.cycles
+    kinds = {"max_bounces": "Total", "glossy_bounces": "Glossy", "transmission_bounces": "Transmission"}
+    few = {name: most for name in kinds if (most := getattr(cycles, name)) < FEWEST_BOUNCES}
+    if few:
+        said = ", ".join(f"{kinds[name]} {most}" for name, most in few.items())
+        text = f"Light that glass turns more often than Max Bounces allow is lost: {said}"
+        enough = dict.fromkeys(few, FEWEST_BOUNCES)
+        yield Problem("bounces", text, f"Allow {FEWEST_BOUNCES} Bounces", partial(_set, cycles, **enough))
 
 
 def _is_thinner(preset: Preset) -> bool:

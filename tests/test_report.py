@@ -797,6 +797,22 @@ def test_cases_and_savings_are_compared():
     }
 
 
+def test_the_size_of_a_material_is_compared():
+    """Nodes and instructions are exact, and told beyond a fourth; memory beyond what a process's scatters by."""
+
+    def change(cells):
+        metal, plaster, glass = (cells[f"left_out/{name}"] for name in ("metal", "plaster", "glass"))
+        metal["setups"][0]["nodes"]["built"] = 51
+        plaster["memory"]["built"]["over"] = 30 * 2**20
+        glass["setups"][0]["nodes"]["built"] = 49
+        glass["memory"]["built"]["over"] = 50 * 2**20
+
+    assert changed(change) == {
+        ("left out", "metal, lamps, nodes", "nodes"): True,
+        ("left out", "plaster, lamps, nodes", "MB of memory"): False,
+    }
+
+
 @pytest.fixture
 def two(tmp_path):
     for name in ("a", "b"):

@@ -116,6 +116,19 @@ def test_few_rays_excuse_the_noise_they_make_and_none_besides(instrument):
         assert not pictures.is_explained(image * 1.02, shared)
 
 
+def test_chance_fails_a_picture_by_one_seed_and_a_bias_by_both(instrument):
+    def off(seeds):
+        def look(shot, setup):
+            seen = stability.picture(shot, setup)
+            return replace(seen, row=seen.row.scaled(1.03)) if shot.seed in seeds else seen
+
+        return stability.judged(Line("", "", (Shot(),), look, unbiased=True), Shot(), check.SETUPS[0])
+
+    assert "again" not in off(())
+    assert (off((0,))["again"], off((0,))["passed"]) == (True, True)
+    assert (off((0, 1))["again"], off((0, 1))["passed"]) == (False, False)
+
+
 def test_a_panel_that_foresees_the_wrong_rays_fails(instrument, monkeypatch):
     line = Line("", "", (Shot(where=1e4),), stability.picture, unbiased=True)
     assert stability.judged(line, Shot(where=1e4), check.SETUPS[0])["passed"]

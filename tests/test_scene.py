@@ -262,6 +262,28 @@ def test_osl_corrects_lamps_where_nodes_would_lose_their_shadows(stage):
     assert automatic.pick_estimator(stage, copper, "nodes") == ("corrected" if can_cast_shadows() else "fit")
 
 
+def test_glass_with_few_bounces_is_said(stage):
+    """Blender's own four of glossy ones are few; a sheet has no inside, and what is opaque sends back what it may."""
+    glass, sheet, copper = (presets.find(name) for name in ("glasses/bk7_crown_glass", "glasses/window", "lecture/copper"))
+
+    def said(preset, estimator="mirror"):
+        return [p for p in advice.problems_with(stage, preset, "nodes", estimator) if p.key == "bounces"]
+
+    assert stage.cycles.glossy_bounces == 4
+    for estimator in ("mirror", "closure"):
+        (problem,) = said(glass, estimator)
+        assert problem.text.endswith("is lost: Glossy 4")
+    assert said(sheet) == said(copper) == []
+    stage.cycles.max_bounces = 3
+    (problem,) = said(glass)
+    assert problem.text.endswith("is lost: Total 3, Glossy 4")
+    transmission = stage.cycles.transmission_bounces
+    problem.mend()
+    assert (stage.cycles.max_bounces, stage.cycles.glossy_bounces) == (12, 12)
+    assert stage.cycles.transmission_bounces == transmission
+    assert said(glass) == []
+
+
 def test_glass_without_refractive_caustics_is_said(stage):
     stage.cycles.caustics_refractive = False
     (problem,) = (p for p in advice.problems(stage, "nodes", "mirror", model="glass") if p.key == "refractive")

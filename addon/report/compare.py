@@ -6,12 +6,14 @@
 - Bias, at the most samples: changed if it can be told from 0 in one report alone, and by more than noise allows.
 - Time, over a peer of Cycles' in the same cell, so that the machine drops out: changed by more than ``SLOWER``, and by
   more than the scatter of the seeds' times allows.
-- Saving: the universal material's time over a material as built, by more than ``SLOWER``.
+- Saving: the universal material's time over a material as built, by more than ``SLOWER``; likewise the size of a
+  material as built: its nodes, OSL instructions, and what of memory is beyond ``LITTLE``.
 - Extreme cases: passed in one, failed in the other. Pictures of the universal material: likewise.
 - Automatic: another choice, within its bar of the best in one report and beyond it in the other.
 - What only one report has: worse if it is gone, unless one report alone is quick.
 
-Peers are there to be held against, and are not judged themselves. The tables of documents are not compared: they are
+FLIP says what the error says, of the same pictures, and is not judged again. Peers are there to be held against, and
+are not judged themselves. The tables of documents are not compared: they are
 told as they are.
 """
 
@@ -32,10 +34,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from .findings import Case, Contest, Curve, Run
+    from .findings import Case, Contest, Curve, LeftOut, Run
 
 SLOWER = 1.25  # ratio of times below which nothing is said
 SMALLEST = 0.01  # change of an error, of itself, below which nothing is said
+LITTLE = 16.0  # MB, by which what a process holds scatters
 MISTAKEN = 0.01  # probability that noise alone makes a comparison tell a change, of all its figures together
 LONGEST = 3  # sample counts whose times are judged: those beside which a start is short
 
@@ -248,6 +251,18 @@ def _left_out(a: Run, b: Run) -> Iterator[Change]:
         place = (b.blender, "left out", case.title)
         if not 1.0 / SLOWER <= other.time / case.time <= SLOWER:
             yield Change(*place, "saving", times(case.time), times(other.time), worse=other.time < case.time)
+        for what, before, after in _sizes(case, other):
+            if not 1.0 / SLOWER <= after / before <= SLOWER:
+                yield Change(*place, what, f"{before:.0f}", f"{after:.0f}", worse=after > before)
         if case.same != other.same:
             figures = ("same", "DIFFERS") if case.same else ("DIFFERS", "same")
             yield Change(*place, "picture", *figures, worse=case.same)
+
+
+def _sizes(case: LeftOut, other: LeftOut) -> Iterator[tuple[str, float, float]]:
+    """What both have of the material as built."""
+    yield "nodes", case.nodes[0], other.nodes[0]
+    if case.instructions[0] and other.instructions[0]:
+        yield "OSL instructions", case.instructions[0], other.instructions[0]
+    if case.memory_mb and other.memory_mb:
+        yield "MB of memory", max(case.memory_mb[0], LITTLE), max(other.memory_mb[0], LITTLE)

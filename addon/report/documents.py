@@ -121,6 +121,14 @@ def _fit_l1(found: list[Run]) -> str:
     return _markdown(["m", *(f"{view} deg" for view in views)], rows)
 
 
+def _extreme(column: str, form: str) -> Callable[[list[Run]], str]:
+    def told(found: list[Run]) -> str:
+        (row,) = _rows(found, "oren_nayar", "extremes")
+        return format(row[found[0].tables["oren_nayar"]["extremes"]["columns"].index(column)], form)
+
+    return told
+
+
 def _formula_rows(table: str, estimator: str, found: list[Run]) -> Iterator[tuple[str, float, float, float]]:
     """Setup, slope or sigma, largest difference and bar, on every Blender."""
     for run in found:
@@ -258,6 +266,8 @@ FIGURES: dict[str, Callable[[list[Run]], str]] = {
     "oren_nayar.short": _table("oren_nayar", "short", ".2f", "%"),
     "oren_nayar.full": _table("oren_nayar", "full", ".2f", "%"),
     "oren_nayar.qualitative": _table("oren_nayar", "qualitative", ".2f", "%"),
+    "oren_nayar.weight": _extreme("weight", ".1f"),
+    "oren_nayar.albedo": _extreme("albedo", ".2f"),
     "keys.keys": _table("keys", "keys", ""),
     "keys.worst": _keys_worst,
     "keys.exponential": _keys_exponential,

@@ -5,7 +5,7 @@ A cell is one preset. In each scene it holds, of the material as built and of th
 instructions, processor time and what pictures of the same seed differ by; then, one by one, what the builder left out,
 put back and weighted with 0 by data: how many nodes that is, how the picture differs, and what it costs.
 
-    {"preset": "lecture/copper",
+    {"preset": "lecture/copper", "seed": 0,
      "setups": [{"scene": "lamps", "backend": "nodes", "estimator": "corrected",
                  "nodes": {"built": 1877, "universal": 11992}, "instructions": {"built": 0, "universal": 0},
                  "first": {"built": 0.2, "universal": 3.1, "ratio": 15.5, "rounds": [...]},
@@ -62,7 +62,7 @@ CASES = {
 QUICK, QUICK_LINES = ("schlick", "plastic"), 3
 SCENES = ("environment", "softbox", "lamps")
 OSL_SCENE, OSL_CASES = "softbox", ("schlick", "plastic", "glass", "car_paint")  # the rest take long and differ little
-SIZE, ROUNDS = 40, 3
+SIZE, ROUNDS, SEED = 40, 3, 0
 SAMPLES = {"nodes": 64, "osl": 16}
 LENGTH, FRAME = 240.0, 97  # of a course that is played, and where in it the picture is taken
 # Pictures of the same seed are made of the same random numbers. Weights go through some 100 more operations of 6e-8
@@ -103,7 +103,7 @@ def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) 
     found = [setup(preset, name, by, rounds, most=QUICK_LINES if quick else None) for name, by in setups]
     memory: dict[str, Any] = {"scene": "lamps", "backend": backend}
     memory |= {which: _memory(identity, which) for which in ("built", "universal")}
-    return {"preset": identity, "setups": found, "memory": memory}
+    return {"preset": identity, "seed": SEED, "setups": found, "memory": memory}
 
 
 def _backend() -> str:
@@ -268,7 +268,7 @@ def _render(
         ball.active_material = made
         universal.dress(ball, data)
         shown.view_layers[0].update()
-    shown.cycles.samples = samples
+    shown.cycles.samples, shown.cycles.seed = samples, SEED
     start = time.process_time()
     picture = gonio.rendered(shown).astype(np.float64)
     return picture, time.process_time() - start

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How near the short form, ``fit`` and ``closure`` are to Oren and Nayar's full model, for docs/oren_nayar.md.
 
-L1 in a view: the integral over wi of |f - f_1994| cos over that of f_1994 cos; the worst of three albedos.
+L1 in a view: the integral over wi of |f - f_1994| cos over that of f_1994 cos; the worst of three albedos. And what the
+model has at its extremes: the weight of ``mirror``, pi f, and the light that white facets return.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...reference import oren_nayar, spherical
 from ...reference.oren_nayar_fit import KINDS, closure_roughness, cycles_diffuse, oren_nayar_fit
-from ...reference.quadrature import panels
+from ...reference.quadrature import diffuse_albedo, panels
 from . import Table, table
 
 if TYPE_CHECKING:
@@ -22,6 +24,7 @@ SIGMAS = (0.1, 0.3, 0.6, 1.0, np.pi / 2)
 ALBEDOS = (0.2, 0.5, 0.8)
 SHORT_VIEWS = (0.0, 20.0, 45.0, 70.0, 85.0)  # degrees
 VIEWS = (0.0, 45.0, 70.0, 80.0, 89.0)
+GRAZING, NEAREST = 85.0, 89.9  # degrees: of a single draw, and of a view
 NODES = 24  # quadrature in each angle; more move no figure that is told
 
 
@@ -31,7 +34,20 @@ def tables() -> dict[str, Table]:
     columns = ["sigma", *(f"{name} {view:g}" for name in ("fit", "closure") for view in VIEWS)]
     for qualitative, kind in enumerate(KINDS):
         found[kind] = table(columns, [near(sigma, qualitative=bool(qualitative)) for sigma in SIGMAS])
+    found["extremes"] = table(["weight", "albedo"], [[heaviest(), brightest()]])
     return found
+
+
+def heaviest() -> float:
+    """The weight of ``mirror`` of white facets, where both directions graze on the same side."""
+    grazing = spherical(np.radians(GRAZING))
+    return float(np.pi * oren_nayar(grazing, grazing, 1.0, SIGMAS[-1]).max())
+
+
+def brightest() -> float:
+    """The directional albedo of white facets in a grazing view, at the sigma that has the most."""
+    wo = spherical(np.radians(NEAREST))
+    return max(float(diffuse_albedo(wo, partial(oren_nayar, albedo=1.0, sigma=s), NODES).max()) for s in SIGMAS)
 
 
 def short(sigma: float) -> list[float]:
