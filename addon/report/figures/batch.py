@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ...batch.job import Task
 
 VGROOVE = Path(sys.executable).parent / "vgroove"
-STILLS, LARGER_STILLS, ALONE = 200, 4, 6
+STILLS, LARGER_STILLS, ALONE = 120, 4, 6
 SETTLED = 0.2  # of the tasks, after which memory is looked at: by then everything was needed once
 
 
