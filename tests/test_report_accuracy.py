@@ -93,6 +93,7 @@ def test_a_furnace_finds_mirror_without_bias_and_closure_with_its_own(tmp_path, 
         assert len(of["rmse"]) == len(of["wall"]) == len(of["cpu_spread"]) == 2
         assert all(of["resolved"])
         assert all(seconds > 0.0 for seconds in (*of["wall"], *of["cpu"]))
+    assert (mirror["seeds"], closure["seeds"], found["seeds"]) == ([4, accuracy.SLOPE_SEEDS[64]], [4, 4], [4, 4])
     assert mirror["noise"][1] == pytest.approx(mirror["noise"][0] / 2.0, rel=0.2)
 
 

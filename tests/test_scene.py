@@ -264,7 +264,9 @@ def test_osl_corrects_lamps_where_nodes_would_lose_their_shadows(stage):
 
 def test_glass_with_few_bounces_is_said(stage):
     """Blender's own four of glossy ones are few; a sheet has no inside, and what is opaque sends back what it may."""
-    glass, sheet, copper = (presets.find(name) for name in ("glasses/bk7_crown_glass", "glasses/window", "lecture/copper"))
+    glass, sheet, copper = (
+        presets.find(name) for name in ("glasses/bk7_crown_glass", "glasses/window", "lecture/copper")
+    )
 
     def said(preset, estimator="mirror"):
         return [p for p in advice.problems_with(stage, preset, "nodes", estimator) if p.key == "bounces"]

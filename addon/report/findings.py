@@ -116,9 +116,17 @@ class Curve:
         if len(x) == 2:
             return Slope(slope, None)
         residual = y - y.mean() - slope * x
-        doubt = rmse_error(self)[used] / _positive(self.rmse[used])
-        known = np.sqrt(x**2 @ doubt**2) / (x @ x)  # few points may lie on a line by chance
+        known = np.sqrt(x**2 @ self._noise_doubt[used] ** 2) / (x @ x)  # few points may lie on a line by chance
         return Slope(slope, float(max(np.sqrt(residual @ residual / (len(x) - 2) / (x @ x)), known)))
+
+    @cached_property
+    def _noise_doubt(self) -> NDArray[np.float64]:
+        """Standard error of the logarithm of the noise: k / sqrt(S) by S seeds, with k alike at all sample counts.
+
+        As in ``rmse_error``; the noise of the truths only adds to it, the least where the picture's own is most.
+        """
+        doubt = self.bias2_error * np.sqrt(self.seeds) / _positive(2.0 * self.noise**2)
+        return np.min(doubt[self.resolved] * np.sqrt(self.seeds[self.resolved])) / np.sqrt(self.seeds)
 
     @cached_property
     def last(self) -> int | None:
