@@ -50,10 +50,11 @@ SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how ma
 SLOPE_SEEDS = {64: 32, 256: 16, 1024: 12, 4096: 6}
 PICTURE_SIZE, PICTURE_SAMPLES = 48, 64
 TRUTHS, FIRST_TRUTH = 4, 101  # how many, and the first one's seed
-WORLD_SAMPLES, LAMP_SAMPLES = 8192, 8192  # of each truth: all four have four times what a contender's most have
+WORLD_SAMPLES, LAMP_SAMPLES = 32768, 16384  # of each truth: biases of 1 % are to be told under a map
+SLOW_TRUTH = 2  # of what is slow so many times fewer
 DIM = 16  # a world that a lamp outshines takes this many times fewer
 QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
-LOOKED_AT = 8  # as have the references of pictures to look at
+LOOKED_AT = 32  # as have the references of pictures to look at
 # OSL shaders differ in time alone, and elsewhere by as much.
 BOTH_BACKENDS = {("environment", "copper"), ("softbox", "copper")}
 
@@ -74,7 +75,8 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, 
         with stage(name, size_of(subject)) as shown:
             backends = ("nodes", "osl") if (name, subject) in BOTH_BACKENDS else ("nodes",)
             rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
-            truths = truth(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
+            fewer = (QUICK_TRUTH if quick else 1) * (SLOW_TRUTH if subject in SLOW else 1)
+            truths = truth(shown, name, preset, fewer)
             found = _race(shown, rivals, counts)
             if name not in SELDOM:  # where no slope is told
                 _more(shown, rivals, counts, found)
