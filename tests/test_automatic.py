@@ -2,6 +2,7 @@
 """What Automatic picks is what docs/report.json says it is, and what that report must show it shows."""
 
 from pathlib import Path
+from statistics import geometric_mean
 
 import pytest
 
@@ -34,10 +35,10 @@ def test_the_published_report_shows_what_it_must(blender_version):
 
 @pytest.mark.parametrize("blender_version", RUNS)
 def test_automatic_is_within_ten_percent_of_the_best(blender_version):
-    """Of a few it is not told: where rare events make the noise, errors are known to a third."""
+    """Of a few it is not told: where rare events make the noise, errors are known to a third. On average within 2 %."""
     picks = [pick for _, pick in RUNS[blender_version].picks]
     assert not [pick for pick in picks if pick.far]
-    assert sum(not pick.close for pick in picks) <= 0.02 * len(picks)
+    assert geometric_mean(pick.ratio for pick in picks) <= findings.CLOSE**0.2
 
 
 @pytest.mark.blender

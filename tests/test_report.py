@@ -322,9 +322,9 @@ def test_claims_are_those_of_the_numbers():
     )
 
 
-@pytest.mark.parametrize(("power", "holds"), [(-0.451, True), (-0.449, False), (-0.549, True), (-0.551, False)])
+@pytest.mark.parametrize(("power", "holds"), [(-0.449, True), (-0.44, False), (-0.551, True), (-0.56, False)])
 def test_a_slope_may_be_off_by_a_twentieth(power, holds):
-    """Plainly: how well it is known is no excuse, but that seeds are to be enough."""
+    """And by two standard errors: of seven counts a factor of 2 apart, noise known to 1 / sqrt(2 P S), .0086."""
     found, held = claimed({"accuracy/a/b": with_mirror(noise=np.array(COUNTS) ** power)})["The noise of"]
     assert held is holds
     assert ("but softbox, copper" in found) is not holds
@@ -342,14 +342,14 @@ def test_seeds_of_mirror_that_only_its_slope_needs_are_said_and_counted():
     assert said in summary.about(b)
 
 
-def test_a_slope_that_is_known_less_well_is_said_and_judged_all_the_same():
-    scatter = np.exp(0.5 * np.random.default_rng(1).standard_normal(len(COUNTS)))
-    vague = with_mirror("checker", noise=np.array(COUNTS) ** -0.5 * scatter)
-    error = contest(vague).curves["mirror, nodes"].slope.error
+def test_a_slope_that_is_not_known_claims_nothing():
+    noise = np.array(COUNTS) ** -0.2 * np.exp(0.5 * np.random.default_rng(1).standard_normal(len(COUNTS)))
+    vague = with_mirror("checker", noise=noise)
+    assert claimed({"accuracy/a/b": vague})["The noise of"] == ("in no scene is it known so well", False)
     found, holds = claimed({"accuracy/a/b": vague, "accuracy/c/d": accuracy()})["The noise of"]
-    assert "the median of 2 scenes" in found
-    assert f"known less well in checkered floor, copper (± {error:.2f})" in found
-    assert not holds
+    assert holds
+    assert "the median of 1 scenes" in found
+    assert found.endswith("not known so well in checkered floor, copper")
 
 
 def test_where_rays_seldom_hit_the_lamp_neither_a_slope_nor_missing_light_is_told():

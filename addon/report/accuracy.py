@@ -4,11 +4,12 @@
 A cell holds, for each contender, one number a sample count: ``bias``, ``noise`` and ``rmse`` as ``statistics`` defines
 them, FLIP of the whole picture, and seconds of the render call, by the wall and by the processor (median of seeds). A
 render of one sample goes before each contender's, which loads and compiles it. Seeds go round all contenders, so that
-what else the machine does falls on all alike. ``mirror`` takes more of them afterwards, without the clock: how its
-noise falls with samples is to be known to a tenth of its slope.
+what else the machine does falls on all alike. ``mirror`` takes more of them afterwards, without the clock, until it is
+known how its noise falls with samples.
 
-The truth of a furnace is the reference's albedo. Elsewhere it is the sum of two pictures that ``vgroove check`` holds
-against the reference: the world by ``mirror`` and the lamp by ``direct``, several of each by seeds of their own.
+The truth is the reference's: in a furnace its albedo, of an opaque ball the integral of ``truth``, several times by
+random numbers of their own. Of what light goes through there are pictures by ``mirror`` in its place, which ``vgroove
+check`` holds against the reference.
 """
 
 from __future__ import annotations
@@ -25,9 +26,8 @@ import numpy as np
 from .. import gonio, headless, images
 from ..files import replacing
 from ..reference import albedo
-from . import contenders, mitsuba_peer, statistics
+from . import contenders, mitsuba_peer, statistics, truth
 from .contenders import Contender
-from .findings import SELDOM
 from .flip import flip
 from .mitsuba_peer import Peer, PeerError
 from .record import Cell
@@ -44,17 +44,16 @@ if TYPE_CHECKING:
 
 SIZE, SMALLER = 14, 11  # pixels: a full report is to take less than an hour on two cores, on each Blender
 SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
+MIRROR = "mirror, nodes"
 SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
-# Of mirror. Noise is known to 1 / sqrt(2 (S - 1) P) of itself by S seeds of P pixels. Where a lamp's reflection lies on
-# P = 10, the slope over these counts is then known to 0.024, where the seeds of all others would leave 0.06.
-SLOPE_SEEDS = {64: 32, 256: 16, 1024: 12, 4096: 6}
+# Seeds that mirror takes more of, as often as it takes to know the slope of its noise well within 0.05, but no less
+# often than tells how well it is known: furnaces need the least, a lamp whose reflection lies on few pixels the most.
+ROUND, ROUNDS, SLOPE_KNOWN = {64: 16, 256: 8, 1024: 4, 4096: 2}, range(2, 17), 0.02
 PICTURE_SIZE, PICTURE_SAMPLES = 48, 64
-TRUTHS, FIRST_TRUTH = 4, 101  # how many, and the first one's seed
-WORLD_SAMPLES, LAMP_SAMPLES = 32768, 16384  # of each truth: biases of 1 % are to be told under a map
-SLOW_TRUTH = 2  # of what is slow so many times fewer
-DIM = 16  # a world that a lamp outshines takes this many times fewer
+TRUTHS, FIRST_TRUTH = 4, 1001  # how many, and the first one's seed
+TRUTH_SAMPLES, RENDERED_SAMPLES = 8192, 16384  # a pixel of each truth
 QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
-LOOKED_AT = 32  # as have the references of pictures to look at
+LOOKED_AT = 16  # as have the references of pictures to look at
 # OSL shaders differ in time alone, and elsewhere by as much.
 BOTH_BACKENDS = {("environment", "copper"), ("softbox", "copper")}
 
@@ -75,20 +74,20 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, 
         with stage(name, size_of(subject)) as shown:
             backends = ("nodes", "osl") if (name, subject) in BOTH_BACKENDS else ("nodes",)
             rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
-            fewer = (QUICK_TRUTH if quick else 1) * (SLOW_TRUTH if subject in SLOW else 1)
-            truths = truth(shown, name, preset, fewer)
+            truths = truths_of(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
             found = _race(shown, rivals, counts)
-            if name not in SELDOM:  # where no slope is told
-                _more(shown, rivals, counts, found)
+            slope = {} if name in statistics.SELDOM else _slope(shown, rivals, counts, found)
             if other is not None:
                 rivals.append(other.contender)
                 found[other.contender.label] = other.race(name, counts, size_of(subject))
             scored = {rival.label: _scored(rival, found[rival.label], counts, truths, shown) for rival in rivals}
+            scored[MIRROR] |= slope
         drawn = None if name == "furnace" else pictures(folder, name, subject, preset, other)
     return {
         "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m,
         "size": size_of(subject), "samples": list(counts), "seeds": [_seeds(samples) for samples in counts],
-        "first_seed": 1, "truth": _said(name), "first_truth_seed": FIRST_TRUTH, "without": without,
+        "first_seed": 1, "truth": _said(name, preset), "independent": _is_computed(name, preset),
+        "first_truth_seed": FIRST_TRUTH, "without": without,
         "contenders": scored, "pictures": drawn,
     }  # fmt: skip
 
@@ -97,32 +96,26 @@ def size_of(subject: str) -> int:
     return SMALLER if subject in SLOW else SIZE
 
 
-def truth(shown: Stage, name: str, preset: Preset, fewer: int = 1) -> NDArray[np.float64]:
+def truths_of(shown: Stage, name: str, preset: Preset, fewer: int = 1) -> NDArray[np.float64]:
     """Pictures of what is true, (A, H, W, 3): one without noise in a furnace, else independent ones."""
     size = shown.seen.shape[0]
     if name == "furnace":
         column = gonio.Geometry(furnace=True, resolution=(size, size)).wo()[:, :1]
         return np.broadcast_to(albedo(preset.reference(), column), (1, size, size, 3))
-    return np.stack([_true(shown, preset, seed, fewer) for seed in range(FIRST_TRUTH, FIRST_TRUTH + TRUTHS)])
+    return np.stack([_true(shown, name, preset, seed, fewer) for seed in range(FIRST_TRUTH, FIRST_TRUTH + TRUTHS)])
 
 
-def _true(shown: Stage, preset: Preset, seed: int, fewer: int) -> NDArray[np.float64]:
-    """The world by ``mirror``, the lamp by ``direct``."""
-    total, lamp, of = np.zeros((*shown.seen.shape, 3)), shown.lamp, shown.scene
-    made = {rival.estimator: rival for rival in contenders.ours(preset, ("nodes",), lamps=lamp is not None)}
-    world_samples = WORLD_SAMPLES // fewer
-    if lamp is not None:
-        world, of.world = of.world, None
-        shown.item.active_material = made["direct"].make(of)
-        total += _render(shown, LAMP_SAMPLES // fewer, seed)[0]
-        of.world = world
-        lamp.hide_render = True
-        world_samples //= DIM if shown.dim else 1
-    shown.item.active_material = made["mirror"].make(of)
-    total += _render(shown, world_samples, seed)[0]
-    if lamp is not None:
-        lamp.hide_render = False
-    return total
+def _true(shown: Stage, name: str, preset: Preset, seed: int, fewer: int) -> NDArray[np.float64]:
+    if truth.has(preset, name):
+        return truth.picture(shown, preset.reference(), TRUTH_SAMPLES // fewer, seed)
+    (mirror,) = (rival for rival in contenders.ours(preset, ("nodes",), lamps=False) if rival.label == MIRROR)
+    shown.item.active_material = mirror.make(shown.scene)
+    return _render(shown, RENDERED_SAMPLES // fewer, seed)[0]
+
+
+def _is_computed(name: str, preset: Preset) -> bool:
+    """Whether no picture of ``mirror`` is the truth."""
+    return name == "furnace" or truth.has(preset, name)
 
 
 @dataclass
@@ -152,14 +145,25 @@ def _race(shown: Stage, rivals: list[Contender], counts: tuple[int, ...]) -> dic
     return found
 
 
-def _more(shown: Stage, rivals: list[Contender], counts: tuple[int, ...], found: dict[str, list[Taken]]) -> None:
-    """Pictures of ``mirror`` by more seeds; they are not timed."""
-    (mirror,) = (rival for rival in rivals if (rival.estimator, rival.backend) == ("mirror", "nodes"))
+def _slope(
+    shown: Stage, rivals: list[Contender], counts: tuple[int, ...], found: dict[str, list[Taken]]
+) -> dict[str, Any]:
+    """How well the slope of ``mirror``'s noise is known, after as many pictures more as that takes; no clock runs."""
+    (mirror,) = (rival for rival in rivals if rival.label == MIRROR)
     shown.item.active_material = mirror.make(shown.scene)
     shown.scene.cycles.shading_system = mirror.osl
-    for samples, taken in zip(counts, found[mirror.label], strict=True):
-        for seed in range(len(taken.pictures) + 1, SLOPE_SEEDS.get(samples, 0) + 1):
-            taken.pictures.append(_render(shown, samples, seed)[0])
+    of = {samples: taken for samples, taken in zip(counts, found[MIRROR], strict=True) if samples in ROUND}
+    error = np.inf
+    for done in range(1, ROUNDS[-1] + 1):
+        for samples, taken in of.items():
+            first = len(taken.pictures) + 1
+            taken.pictures += [_render(shown, samples, seed)[0] for seed in range(first, first + ROUND[samples])]
+        if done in ROUNDS:
+            seen = {samples: np.stack(taken.pictures)[:, shown.seen] for samples, taken in of.items()}
+            error = statistics.slope(seen)[1]
+            if error <= SLOPE_KNOWN:
+                break
+    return {"slope_error": error}
 
 
 @dataclass(frozen=True)
@@ -245,15 +249,12 @@ def _scored(
     }  # fmt: skip
 
 
-def _said(name: str) -> str:
+def _said(name: str, preset: Preset) -> str:
     if name == "furnace":
         return "the reference's directional albedo at each pixel's direction"
-    seeds = f"{TRUTHS} independent pictures"
-    return (
-        f"{seeds} by mirror"
-        if name in {"environment", "checker"}
-        else f"{seeds}: the lamp by direct, the sky by mirror"
-    )
+    if truth.has(preset, name):
+        return f"the reference's integral over lights and directions, {TRUTHS} times by other random numbers"
+    return f"{TRUTHS} independent pictures by mirror"
 
 
 def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other | None) -> dict[str, Any]:
@@ -261,7 +262,7 @@ def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other
     target = folder / "pictures" / bpy.app.version_string.split()[0]
     target.mkdir(parents=True, exist_ok=True)
     with stage(name, PICTURE_SIZE) as shown:
-        drawn = {"reference": _true(shown, preset, FIRST_TRUTH, fewer=LOOKED_AT)}
+        drawn = {"reference": _true(shown, name, preset, FIRST_TRUTH, fewer=LOOKED_AT)}
         for rival in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.peers(preset)):
             shown.item.active_material = rival.make(shown.scene)
             drawn[rival.label] = _render(shown, PICTURE_SAMPLES, 1)[0]

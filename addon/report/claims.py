@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING
 
-from .findings import CLOSE, TARGETS
+from .findings import CHANCE, CLOSE, TARGETS
 from .words import number, percent, times
 
 if TYPE_CHECKING:
@@ -40,9 +40,9 @@ def of(run: Run) -> list[Claim]:
 
 
 def _slope(run: Run) -> Claim | None:
-    """All are judged as they were measured, and those are told that are known less well than to the bar.
+    """Where rare events leave the slope less certain than the bar, it says nothing for or against the claim.
 
-    That of a smooth interface says nothing: nothing is drawn by a hash there, and all noise is of Cycles' even samples.
+    Nor does that of a smooth interface, where nothing is drawn by a hash and all noise is of Cycles' even samples.
     """
     seldom = [
         contest.title
@@ -56,18 +56,25 @@ def _slope(run: Run) -> Claim | None:
     }
     if not slopes:
         return None
-    values = [one.value for one in slopes.values()]
-    off = [f"{title}: {number(one.value)}" for title, one in slopes.items() if abs(one.value - SLOPE) > SLOPE_BAR]
-    found = (
-        f"{number(median(values))}, the median of {len(values)} scenes ({number(min(values))} to {number(max(values))})"
-    )
-    vague = [f"{title} (± {one.error:.2f})" for title, one in slopes.items() if (one.error or 0.0) > SLOPE_BAR]
-    if vague:
-        found += f"; known less well in {', '.join(vague)}"
-    if seldom:
-        found += f"; not told in {len(seldom)} whose lamp rays seldom hit"
+    doubt = {title: one.error or 0.0 for title, one in slopes.items()}
+    known = {title: one.value for title, one in slopes.items() if doubt[title] <= SLOPE_BAR}
+    off = [
+        f"{title}: {number(value)}"
+        for title, value in known.items()
+        if abs(value - SLOPE) > SLOPE_BAR + CHANCE * doubt[title]
+    ]
+    found = "in no scene is it known so well"
+    if known:
+        found = (
+            f"{number(median(known.values()))}, the median of {len(known)} scenes ({number(min(known.values()))} to "
+            f"{number(max(known.values()))})"
+        )
+        if len(known) < len(slopes):
+            found += f"; not known so well in {', '.join(title for title in slopes if title not in known)}"
+        if seldom:
+            found += f"; not told in {len(seldom)} whose lamp rays seldom hit"
     claim = f"The noise of mirror falls as samples to the power of {number(SLOPE)} ± {SLOPE_BAR:g}"
-    return Claim(claim, "; but ".join([found, *([", ".join(off)] if off else [])]), not off)
+    return Claim(claim, "; but ".join([found, *([", ".join(off)] if off else [])]), bool(known) and not off)
 
 
 def _unbiased(run: Run) -> Claim | None:

@@ -16,6 +16,7 @@ import numpy as np
 
 from . import record
 from .record import ReportError
+from .statistics import SELDOM
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,8 +34,7 @@ SCENES = {  # of ``scenes.stage``, as they are called
     "outdoors": "environment map and sun",
     "checker": "checkered floor",
 }
-INDEPENDENT = ("furnace", "softbox")  # whose truth ``mirror`` has no part in: the reference's, and a lamp by ``direct``
-SELDOM = ("sun", "outdoors")  # whose lamp is so small that random rays seldom hit it
+INDEPENDENT = ("furnace", "softbox")  # whose truth ``mirror`` has no part in, where a report does not say it
 RANDOM = ("mirror", "hybrid")  # estimators that must hit it so; without bias, or next to none
 TOLD = 3.0  # standard errors by which a bias must exceed 0 to be told from it
 CLOSE = 1.1  # Automatic's error over the winner's that still counts as good a choice
@@ -47,8 +47,8 @@ AGAINST = ("closure", "mirror")  # what a winner is held against
 class Slope:
     """Of log noise over log samples; -1/2 for independent samples.
 
-    error: its standard error, by the line's residuals or by how well the noise is known, whichever is more; None of two
-    counts.
+    error: its standard error, as it was measured by leaving out seeds; else by the line's residuals or by how well the
+    noise is known, whichever is more; None of two counts.
     """
 
     value: float
@@ -95,6 +95,7 @@ class Curve:
     resolved: NDArray[np.bool_]
     seeds: NDArray[np.int_]
     seldom: bool
+    slope_error: float | None = None  # where it was measured
 
     @property
     def competes(self) -> bool:
@@ -113,20 +114,14 @@ class Curve:
             return None
         x, y = x[used] - x[used].mean(), y[used]
         slope = float(x @ y / (x @ x))
+        if self.slope_error is not None:
+            return Slope(slope, self.slope_error)
         if len(x) == 2:
             return Slope(slope, None)
         residual = y - y.mean() - slope * x
-        known = np.sqrt(x**2 @ self._noise_doubt[used] ** 2) / (x @ x)  # few points may lie on a line by chance
+        doubt = rmse_error(self)[used] / _positive(self.rmse[used])
+        known = np.sqrt(x**2 @ doubt**2) / (x @ x)  # few points may lie on a line by chance
         return Slope(slope, float(max(np.sqrt(residual @ residual / (len(x) - 2) / (x @ x)), known)))
-
-    @cached_property
-    def _noise_doubt(self) -> NDArray[np.float64]:
-        """Standard error of the logarithm of the noise: k / sqrt(S) by S seeds, with k alike at all sample counts.
-
-        As in ``rmse_error``; the noise of the truths only adds to it, the least where the picture's own is most.
-        """
-        doubt = self.bias2_error * np.sqrt(self.seeds) / _positive(2.0 * self.noise**2)
-        return np.min(doubt[self.resolved] * np.sqrt(self.seeds[self.resolved])) / np.sqrt(self.seeds)
 
     @cached_property
     def last(self) -> int | None:
@@ -272,16 +267,12 @@ class Contest:
     pictures: dict[str, str]  # by contender, and the "reference"
     picture_samples: int
     size: int  # pixels, across and down; 0 where a report does not say it
+    independent: bool  # whether the truth was had without ``mirror``
     smooth: bool  # an interface without facets
 
     @property
     def title(self) -> str:
         return f"{SCENES.get(self.scene, self.scene)}, {self.subject}"
-
-    @property
-    def independent(self) -> bool:
-        """Whether the truth was had without ``mirror``."""
-        return self.scene in INDEPENDENT
 
     @cached_property
     def rivals(self) -> list[Curve]:
@@ -523,6 +514,7 @@ def _contest(cell: dict[str, Any], picked: dict[str, Any]) -> Contest:
         {name: _curve(name, samples, one, cell) for name, one in cell["contenders"].items()},
         tuple(picked.get("estimators") or ()), picked.get("refused") or {},
         pictures.get("files", {}), pictures.get("samples", 0), cell.get("size", 0),
+        cell.get("independent", cell["scene"] in INDEPENDENT),
         (cell.get("model"), cell.get("m")) == ("glass", 0.0),
     )  # fmt: skip
 
@@ -548,6 +540,7 @@ def _curve(name: str, samples: NDArray[np.float64], one: dict[str, Any], cell: d
         cpu_spread=spread,
         resolved=resolved,
         seldom=seldom,
+        slope_error=one.get("slope_error"),
         seeds=np.broadcast_to(one.get("seeds") or cell["seeds"], samples.shape),
         **words,
         **numbers,

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -77,6 +77,29 @@ def scale(truths: NDArray[np.floating]) -> float:
     return float(np.sqrt(np.mean(products)))
 
 
+def slope(pictures: Mapping[int, NDArray[np.floating]]) -> tuple[float, float]:
+    """Of log noise over log samples by least squares, and its standard error; pictures: (S, P, 3) by sample count.
+
+    The error is a jackknife's over groups of seeds, as many as the fewest seeds of a count. So it needs no law of what
+    a sample is worth: rare events, and pixels that are alike, are in it. ValueError if there are fewer than two counts.
+    """
+    if len(pictures) < 2:
+        message = f"a slope needs two sample counts, got {len(pictures)}"
+        raise ValueError(message)
+    x = np.log(list(pictures))
+    x = (x - x.mean()) / np.sum((x - x.mean()) ** 2)
+    groups = min(map(len, pictures.values()))
+    group = {samples: np.arange(len(of)) % groups for samples, of in pictures.items()}
+
+    def without(left: int) -> float:
+        kept = (of[group[samples] != left] for samples, of in pictures.items())
+        return float(x @ [0.5 * np.log(np.mean(np.var(one, axis=0, ddof=1))) for one in kept])
+
+    others = np.array([without(left) for left in range(groups)])
+    return without(-1), float(np.sqrt((groups - 1) / groups * np.sum((others - others.mean()) ** 2)))
+
+
+SELDOM = ("sun", "outdoors")  # scenes whose lamp is so small that random rays seldom hit it
 RARE = 0.25  # of a sample's variance, as later counts have it: what scatters of four pictures is far less
 
 

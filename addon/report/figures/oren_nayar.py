@@ -41,13 +41,13 @@ def tables() -> dict[str, Table]:
 def heaviest() -> float:
     """The weight of ``mirror`` of white facets, where both directions graze on the same side."""
     grazing = spherical(np.radians(GRAZING))
-    return float(np.pi * oren_nayar(grazing, grazing, 1.0, SIGMAS[-1]).max())
+    return float(np.pi * np.max(oren_nayar(grazing, grazing, 1.0, SIGMAS[-1])))
 
 
 def brightest() -> float:
     """The directional albedo of white facets in a grazing view, at the sigma that has the most."""
     wo = spherical(np.radians(NEAREST))
-    return max(float(diffuse_albedo(wo, partial(oren_nayar, albedo=1.0, sigma=s), NODES).max()) for s in SIGMAS)
+    return max(float(np.max(diffuse_albedo(wo, partial(oren_nayar, albedo=1.0, sigma=s), NODES))) for s in SIGMAS)
 
 
 def short(sigma: float) -> list[float]:
