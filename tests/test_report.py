@@ -330,6 +330,15 @@ def test_a_slope_may_be_off_by_a_twentieth(power, holds):
     assert ("but softbox, copper" in found) is not holds
 
 
+@pytest.mark.parametrize(("power", "holds"), [(-0.451, True), (-0.449, False), (-0.549, True), (-0.551, False)])
+def test_a_slope_whose_error_was_measured_is_judged_as_it_stands(power, holds):
+    cell = with_mirror(noise=np.array(COUNTS) ** power)
+    cell["contenders"]["mirror, nodes"]["slope_error"] = 0.02
+    slope = contest(cell).curves["mirror, nodes"].slope
+    assert (slope.value, slope.error) == (pytest.approx(power), 0.02)
+    assert claimed({"accuracy/a/b": cell})["The noise of"][1] is holds
+
+
 def test_seeds_of_mirror_that_only_its_slope_needs_are_said_and_counted():
     """What one picture errs by scatters by the root of their number more than the bias, which is of all of them."""
     few = with_mirror()

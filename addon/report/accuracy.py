@@ -48,7 +48,7 @@ MIRROR = "mirror, nodes"
 SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
 # Seeds that mirror takes more of, as often as it takes to know the slope of its noise well within 0.05, but no less
 # often than tells how well it is known: furnaces need the least, a lamp whose reflection lies on few pixels the most.
-ROUND, ROUNDS, SLOPE_KNOWN = {64: 16, 256: 8, 1024: 4, 4096: 2}, range(2, 17), 0.02
+ROUND, ROUNDS, SLOPE_KNOWN = {64: 16, 256: 8, 1024: 4, 4096: 2}, range(2, 11), 0.02
 PICTURE_SIZE, PICTURE_SAMPLES = 48, 64
 TRUTHS, FIRST_TRUTH = 4, 1001  # how many, and the first one's seed
 TRUTH_SAMPLES, RENDERED_SAMPLES = 8192, 16384  # a pixel of each truth

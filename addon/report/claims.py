@@ -40,9 +40,10 @@ def of(run: Run) -> list[Claim]:
 
 
 def _slope(run: Run) -> Claim | None:
-    """Where rare events leave the slope less certain than the bar, it says nothing for or against the claim.
+    """As it stands, where seeds enough were taken to know it; else within two standard errors.
 
-    Nor does that of a smooth interface, where nothing is drawn by a hash and all noise is of Cycles' even samples.
+    Where rare events leave it less certain than the bar, it says nothing for or against the claim. Nor does that of a
+    smooth interface, where nothing is drawn by a hash and all noise is of Cycles' even samples.
     """
     seldom = [
         contest.title
@@ -57,11 +58,12 @@ def _slope(run: Run) -> Claim | None:
     if not slopes:
         return None
     doubt = {title: one.error or 0.0 for title, one in slopes.items()}
-    known = {title: one.value for title, one in slopes.items() if doubt[title] <= SLOPE_BAR}
+    known = {title: one.value for title, one in slopes.items() if one.measured or doubt[title] <= SLOPE_BAR}
+    by_chance = {title: 0.0 if slopes[title].measured else CHANCE * doubt[title] for title in known}
     off = [
         f"{title}: {number(value)}"
         for title, value in known.items()
-        if abs(value - SLOPE) > SLOPE_BAR + CHANCE * doubt[title]
+        if abs(value - SLOPE) > SLOPE_BAR + by_chance[title]
     ]
     found = "in no scene is it known so well"
     if known:

@@ -53,6 +53,7 @@ class Slope:
 
     value: float
     error: float | None
+    measured: bool = False  # whether the error was, by seeds enough to judge the slope as it stands
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ class Curve:
         x, y = x[used] - x[used].mean(), y[used]
         slope = float(x @ y / (x @ x))
         if self.slope_error is not None:
-            return Slope(slope, self.slope_error)
+            return Slope(slope, self.slope_error, measured=True)
         if len(x) == 2:
             return Slope(slope, None)
         residual = y - y.mean() - slope * x
