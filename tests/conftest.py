@@ -4,7 +4,9 @@
 A test that renders a grid of rows (models, estimators, backends, slopes, ...) is run on some of them, chosen so that
 each value is in one of them at least: what breaks mostly does so for one value. ``--cover 2`` holds each pair of values
 of two parameters too, and `make test-all` runs every row. Grids without Blender are run in full on the newest; on the
-older one, whose Python and NumPy are older too, they are thinned as well.
+older one, whose Python and NumPy are older too, they are thinned as well. What takes long and hardly depends on
+Blender is marked ``newest`` and left out on the older, and what is more of the same is marked ``more``: `make test-all`
+has both.
 """
 
 import contextlib
@@ -35,11 +37,13 @@ def pytest_addoption(parser):
 def pytest_collection_modifyitems(config, items):
     strength, rows = config.getoption("--cover"), {}
     older = bpy.app.version < (5, 0, 0)
+    marks = ("more", "newest") if older else ("more",)
+    left = {item for item in items if strength and any(map(item.get_closest_marker, marks))}
     for item in items:
         if strength and (older or item.get_closest_marker("blender")) and hasattr(item, "callspec"):
             rows.setdefault((item.path, item.originalname), []).append(item)
     kept = {item for of in rows.values() for item in covering(of, strength)}
-    left = {item for of in rows.values() for item in of} - kept
+    left |= {item for of in rows.values() for item in of} - kept
     if left:
         config.hook.pytest_deselected(items=list(left))
         items[:] = [item for item in items if item not in left]

@@ -17,8 +17,8 @@ pytestmark = pytest.mark.blender
 
 CHANGING = sorted(preset.id for preset in shipped().values() if preset.time)
 SHORT = "time_varying/rusting_iron", "time_varying/curing_lacquer", "time_varying/heat_tinted_steel"
-# Every model and every law that changes a parameter of it; `vgroove check` has all courses.
-VARIED = (*SHORT, "time_varying/yellowing_paper", "time_varying/copper_patina", "time_varying/drying_wood")
+# With these every model and every law that changes a parameter of it; `vgroove check` has all courses.
+MORE = "time_varying/yellowing_paper", "time_varying/copper_patina", "time_varying/drying_wood"
 SETUPS = (check.SETUPS[0], check.SETUPS[2])
 EPS = 2.0**-24
 # Flash of two colours and a slope with a kink: rates apart by 1e5
@@ -103,7 +103,7 @@ def test_direct_renders_every_moment_as_the_reference_has_it(instrument, name, d
     assert not row.scaled(1 / 1.01).passed
 
 
-@pytest.mark.parametrize("name", VARIED)
+@pytest.mark.parametrize("name", [*SHORT, *(pytest.param(name, marks=pytest.mark.more) for name in MORE)])
 def test_hybrid_sends_back_at_every_moment_what_the_reference_says(instrument, name):
     """By Z-tests, in both backends and both ways of driving; one item, as they share the reference.
 

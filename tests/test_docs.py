@@ -121,6 +121,7 @@ def test_every_figure_in_readme_and_docs_comes_from_the_report(reported):
     assert marked == documents.FIGURES.keys()
 
 
+@pytest.mark.newest
 def test_the_report_in_docs_is_drawn_from_its_numbers(reported, tmp_path):
     machine = json.loads((ROOT / "docs" / "report.json").read_text(encoding="utf-8"))["machine"]
     found = draw.told(reported)
