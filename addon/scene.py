@@ -49,6 +49,7 @@ def preview(environment: str = "sunset") -> Scene:
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     exact(scene)
+    scene.cycles.glossy_bounces = scene.cycles.max_bounces  # Blender's own four lose light within glass
     scene.view_settings.view_transform = "Standard"
     ball = bpy.data.objects.new("Ball", ball_mesh())
     ball.location = (0, 0, 1)

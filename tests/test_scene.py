@@ -286,6 +286,13 @@ def test_glass_with_few_bounces_is_said(stage):
     assert said(glass) == []
 
 
+def test_the_preview_keeps_the_light_within_glass(blender):
+    with headless.quiet():
+        shown = scene.preview()
+    found = advice.problems_with(shown, presets.find("glasses/frosted_glass"), "nodes", "mirror")
+    assert "bounces" not in [problem.key for problem in found]
+
+
 def test_glass_without_refractive_caustics_is_said(stage):
     stage.cycles.caustics_refractive = False
     (problem,) = (p for p in advice.problems(stage, "nodes", "mirror", model="glass") if p.key == "refractive")
