@@ -41,7 +41,6 @@ class Stage:
     scene: Scene
     item: Object
     seen: NDArray[np.bool_]
-    dim: bool = False  # whether a lamp outshines the world
 
     @property
     def lamp(self) -> Object | None:
@@ -70,7 +69,7 @@ def stage(name: str, size: int) -> Iterator[Stage]:
         _checker(shown)
     shown.view_layers[0].update()
     seen = np.ones((size, size), np.bool_) if name == "checker" else ball_pixels(size)
-    yield Stage(shown, shown.objects["Ball"], seen, dim=name in {"softbox", "sun"})
+    yield Stage(shown, shown.objects["Ball"], seen)
 
 
 def ball_pixels(size: int) -> NDArray[np.bool_]:
