@@ -13,11 +13,11 @@ out brighter. L1 of f cos over all wi, worst of all views and of albedos up to 0
 from __future__ import annotations
 
 from . import oren_nayar
-from ._tree import Tree, Value, minimum
-from .oren_nayar_table import TABLES
+from ._tree import Tree, Value, less, minimum, select
+from .oren_nayar_table import LAMBERT, TABLES
 
 NAME = "VGroove Oren-Nayar Closure"
-REVISION = 1
+REVISION = 2
 TIP = "To the material's Surface. Cycles' own model: off by up to {} at 34 degrees of Sigma, {} at 90"
 OFF = {"full": ("16 %", "39 %"), "qualitative": ("30 %", "68 %")}
 
@@ -38,6 +38,7 @@ def build_osl(tree: Tree, kind: str) -> None:
 def roughness(kind: str, sigma: Value) -> Value:
     """``closure_roughness`` of the reference."""
     k, c = TABLES[kind].roughness
-    with sigma.tree.frame("Roughness k s2/(s2 + c)"):
+    with sigma.tree.frame("Roughness k s2/(s2 + c), 0 where Cycles would divide by 0"):
         s2 = sigma * sigma
-        return minimum(k * s2 / (s2 + c), 1.0)
+        found = minimum(k * s2 / (s2 + c), 1.0)
+        return select(less(found, LAMBERT), 0.0, found)

@@ -6,16 +6,19 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ..addon.reference import oren_nayar_fit
-from ..addon.reference.oren_nayar_fit import MEAN, TABLES
+from ..addon.reference.oren_nayar_fit import LAMBERT, MEAN, TABLES
 from .polynomial import horner_text, share_text
 
-__all__ = ["MEAN", "TABLES", "header"]
+__all__ = ["LAMBERT", "MEAN", "TABLES", "header"]
 
 
 def header() -> str:
-    """``fit_NAME(kind, x)``; ``fit_roughness(kind, i)``, k and c; ``fit_share_at(kind, y, n, bound)``; ``FIT_MEAN``."""
+    """What OSL shaders include.
+
+    ``fit_NAME(kind, x)``; ``fit_roughness(kind, i)``, k and c; ``fit_share_at(kind, y, n, bound)``; ``FIT_MEAN``, ``FIT_LAMBERT``.
+    """
     functions = ["// Written from addon/reference/oren_nayar_fit.toml; kind: 0 full, 1 qualitative"]
-    functions.append(f"#define FIT_MEAN {MEAN}")
+    functions += [f"#define FIT_MEAN {MEAN}", f"#define FIT_LAMBERT {LAMBERT}"]
     full, qualitative = (asdict(TABLES[kind]) for kind in oren_nayar_fit.KINDS)
     functions += [
         _by_kind(f"fit_{name}", "float x", _horner(full[name]), _horner(qualitative[name]))

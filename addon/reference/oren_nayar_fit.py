@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 LOST = np.pi / 2 - 2.0 / 3.0  # Fujii's albedo at grazing angles over that from above, less 1, per unit of roughness
 # Cycles' rounded average of Fujii's albedo, over A and per unit of roughness; exactly it is within 1e-3 of this.
 AVERAGE = (2.0 * np.pi - 5.6) / 3.0
+# Roughness below which Cycles' Diffuse BSDF is Lambert's. There float32 has 0 for the light that a bounce leaves out,
+# by which it divides; the OSL closure, and in 4.5 the node run as OSL, do so all the same, and are black.
+LAMBERT = 1e-5
 
 
 @dataclass(frozen=True)
@@ -97,10 +100,11 @@ def cycles_diffuse(wi: ArrayLike, wo: ArrayLike, color: ArrayLike, roughness: Ar
 
 
 def closure_roughness(sigma: ArrayLike, *, qualitative: bool = False) -> Floats:
-    """Roughness of Cycles' own Oren-Nayar that is nearest to ``sigma``: min(1, k s2/(s2 + c))."""
+    """Roughness of Cycles' own Oren-Nayar that is nearest to ``sigma``: min(1, k s2/(s2 + c)); 0 below ``LAMBERT``."""
     s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))
     k, c = TABLES[KINDS[qualitative]].roughness
-    return np.minimum(1.0, k * s2 / (s2 + c))
+    roughness = np.minimum(1.0, k * s2 / (s2 + c))
+    return np.where(roughness < LAMBERT, 0.0, roughness)
 
 
 def weights(

@@ -2,7 +2,7 @@
 """Error against run time: each scene and subject by each estimator, backend and peer, from 4 to 4096 samples a pixel.
 
 A cell holds, for each contender, one number a sample count: ``bias``, ``noise`` and ``rmse`` as ``statistics`` defines
-them, FLIP of the whole picture, and seconds of the render call, by the wall and by the processor (median of seeds). A
+them, FLIP of the judged pixels, and seconds of the render call, by the wall and by the processor (median of seeds). A
 render of one sample goes before each contender's, which loads and compiles it. Seeds go round all contenders, so that
 what else the machine does falls on all alike. ``mirror`` takes more of them afterwards, without the clock, until it is
 known how its noise falls with samples.
@@ -242,7 +242,7 @@ def _scored(
         "bias2": [one.bias2 for one in errors], "bias2_error": [one.bias2_error for one in errors],
         "noise": [one.noise for one in errors],
         "resolved": statistics.resolved([one.noise for one in errors], counts),
-        "flip": [float(np.mean([flip(reference, one) for one in taken.pictures])) for taken in found],
+        "flip": [float(np.mean([flip(reference, one, shown.seen) for one in taken.pictures])) for taken in found],
         "wall": [float(np.median(taken.wall)) for taken in found],
         "cpu": [float(np.median(taken.cpu)) for taken in found],
         "cpu_spread": [float(np.std(taken.cpu, ddof=1) / np.mean(taken.cpu)) for taken in found],
@@ -266,6 +266,8 @@ def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other
         for rival in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.peers(preset)):
             shown.item.active_material = rival.make(shown.scene)
             drawn[rival.label] = _render(shown, PICTURE_SAMPLES, 1)[0]
+        # What is computed ends with the judged pixels: around them there is to be no difference that is none.
+        drawn["reference"] = np.where(shown.seen[..., None], drawn["reference"], drawn[MIRROR])
     if other is not None:
         one = other.peer.render(name, other.bsdf, PICTURE_SAMPLES, 1, PICTURE_SIZE)
         drawn[other.contender.label] = one.picture

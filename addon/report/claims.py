@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING
 
-from .findings import CHANCE, CLOSE, TARGETS
+from .findings import CLOSE, TARGETS
 from .words import number, percent, times
 
 if TYPE_CHECKING:
@@ -40,10 +40,9 @@ def of(run: Run) -> list[Claim]:
 
 
 def _slope(run: Run) -> Claim | None:
-    """As it stands, where seeds enough were taken to know it; else within two standard errors.
+    """As it stands. Where it is known less well than the bar, it says nothing for or against the claim.
 
-    Where rare events leave it less certain than the bar, it says nothing for or against the claim. Nor does that of a
-    smooth interface, where nothing is drawn by a hash and all noise is of Cycles' even samples.
+    Nor does that of a smooth interface, where nothing is drawn by a hash and all noise is of Cycles' even samples.
     """
     seldom = [
         contest.title
@@ -57,14 +56,8 @@ def _slope(run: Run) -> Claim | None:
     }
     if not slopes:
         return None
-    doubt = {title: one.error or 0.0 for title, one in slopes.items()}
-    known = {title: one.value for title, one in slopes.items() if one.measured or doubt[title] <= SLOPE_BAR}
-    by_chance = {title: 0.0 if slopes[title].measured else CHANCE * doubt[title] for title in known}
-    off = [
-        f"{title}: {number(value)}"
-        for title, value in known.items()
-        if abs(value - SLOPE) > SLOPE_BAR + by_chance[title]
-    ]
+    known = {title: one.value for title, one in slopes.items() if (one.error or 0.0) <= SLOPE_BAR}
+    off = [f"{title}: {number(value)}" for title, value in known.items() if abs(value - SLOPE) > SLOPE_BAR]
     found = "in no scene is it known so well"
     if known:
         found = (

@@ -34,7 +34,6 @@ SCENES = {  # of ``scenes.stage``, as they are called
     "outdoors": "environment map and sun",
     "checker": "checkered floor",
 }
-INDEPENDENT = ("furnace", "softbox")  # whose truth ``mirror`` has no part in, where a report does not say it
 RANDOM = ("mirror", "hybrid")  # estimators that must hit it so; without bias, or next to none
 TOLD = 3.0  # standard errors by which a bias must exceed 0 to be told from it
 CLOSE = 1.1  # Automatic's error over the winner's that still counts as good a choice
@@ -47,13 +46,12 @@ AGAINST = ("closure", "mirror")  # what a winner is held against
 class Slope:
     """Of log noise over log samples; -1/2 for independent samples.
 
-    error: its standard error, as it was measured by leaving out seeds; else by the line's residuals or by how well the
-    noise is known, whichever is more; None of two counts.
+    error: its standard error, measured by leaving out seeds where the slope is judged; else by the line's residuals or
+    by how well the noise is known, whichever is more; None of two counts.
     """
 
     value: float
     error: float | None
-    measured: bool = False  # whether the error was, by seeds enough to judge the slope as it stands
 
 
 @dataclass(frozen=True)
@@ -116,7 +114,7 @@ class Curve:
         x, y = x[used] - x[used].mean(), y[used]
         slope = float(x @ y / (x @ x))
         if self.slope_error is not None:
-            return Slope(slope, self.slope_error, measured=True)
+            return Slope(slope, self.slope_error)
         if len(x) == 2:
             return Slope(slope, None)
         residual = y - y.mean() - slope * x
@@ -267,7 +265,7 @@ class Contest:
     refused: dict[str, str]  # what Automatic may not pick, and why
     pictures: dict[str, str]  # by contender, and the "reference"
     picture_samples: int
-    size: int  # pixels, across and down; 0 where a report does not say it
+    size: int  # pixels, across and down
     independent: bool  # whether the truth was had without ``mirror``
     smooth: bool  # an interface without facets
 
@@ -511,11 +509,10 @@ def _contest(cell: dict[str, Any], picked: dict[str, Any]) -> Contest:
     pictures = cell.get("pictures") or {}
     return Contest(
         cell["scene"], cell["subject"], cell.get("m"), np.broadcast_to(cell["seeds"], samples.shape),
-        cell.get("truth", ""),
+        cell["truth"],
         {name: _curve(name, samples, one, cell) for name, one in cell["contenders"].items()},
         tuple(picked.get("estimators") or ()), picked.get("refused") or {},
-        pictures.get("files", {}), pictures.get("samples", 0), cell.get("size", 0),
-        cell.get("independent", cell["scene"] in INDEPENDENT),
+        pictures.get("files", {}), pictures.get("samples", 0), cell["size"], cell["independent"],
         (cell.get("model"), cell.get("m")) == ("glass", 0.0),
     )  # fmt: skip
 

@@ -235,10 +235,10 @@ def _more_seeds(contest: Contest) -> str:
 
 def about(contest: Contest) -> str:
     """The truth, the seeds, and Automatic's choices in words."""
-    pixels = f" {contest.size} × {contest.size} pixels." if contest.size else ""
-    said = f"Truth: {contest.truth}. {_range(contest.seeds)} seeds{_more_seeds(contest)}.{pixels}" + (
-        f" m = {contest.m:g}." if contest.m else ""
-    )
+    said = (
+        f"Truth: {contest.truth}. {_range(contest.seeds)} seeds{_more_seeds(contest)}. "
+        f"{contest.size} × {contest.size} pixels."
+    ) + (f" m = {contest.m:g}." if contest.m else "")
     if contest.picks:
         choices = {pick.estimator: None for pick in contest.picks}
         worst = max(contest.picks, key=lambda pick: pick.ratio)
