@@ -15,7 +15,8 @@ __all__ = ["LAMBERT", "MEAN", "TABLES", "header"]
 def header() -> str:
     """What OSL shaders include.
 
-    ``fit_NAME(kind, x)``; ``fit_roughness(kind, i)``, k and c; ``fit_share_at(kind, y, n, bound)``; ``FIT_MEAN``, ``FIT_LAMBERT``.
+    ``fit_NAME(kind, x)``; ``fit_roughness(kind, i)``, k and c; ``fit_share_at(kind, y, n, bound)``; ``FIT_MEAN`` and
+    ``FIT_LAMBERT``.
     """
     functions = ["// Written from addon/reference/oren_nayar_fit.toml; kind: 0 full, 1 qualitative"]
     functions += [f"#define FIT_MEAN {MEAN}", f"#define FIT_LAMBERT {LAMBERT}"]
