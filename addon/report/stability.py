@@ -220,7 +220,7 @@ def grazing_light(estimator: str, m: float, theta: float, setup: Setup) -> Seen:
     more = {"error": worst.error, "bar": worst.bar, "holds": worst.error <= worst.bar}
     approximate = check.fresnel_approximation(setup, "dielectric") if estimator in {*NATIVE, "corrected"} else 0.0
     limits = [_warned(preset, setup, estimator, "fresnel") if approximate else ""]
-    limits += _rounded(worst.bar - approximate, float(min(image.min() for image in images)))
+    limits += _rounded(worst.bar - approximate, float(np.min(images)))
     return Seen(np.stack(images), limit="; ".join(filter(None, limits)), more=more)
 
 
