@@ -55,6 +55,17 @@ def test_the_limit_for_noisy_rows_counts_them_all():
     )
 
 
+@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("estimator", ["closure", "fit", "hybrid", "mirror"])
+@pytest.mark.parametrize("sigma", [1e-6, 1e-4, 2e-3])
+def test_facets_that_hardly_tilt_are_lamberts(instrument, sigma, estimator, setup):
+    """By every estimator under a white sky, to 10 sigma^2; Cycles' own Oren-Nayar would be black in OSL."""
+    preset = check_oren_nayar.preset("full", sigma)
+    sky = gonio.Geometry(furnace=True, resolution=(8, 2))
+    image = check.measure(preset, setup, estimator, sky, 64)
+    np.testing.assert_allclose(image, np.broadcast_to(preset.parameters["albedo"], image.shape), rtol=1e-4)
+
+
 # --- mutants ------------------------------------------------------------------------------------------------------
 
 

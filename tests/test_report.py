@@ -199,7 +199,16 @@ def test_error_at_a_time_goes_on_beyond_the_last_render():
         assert one.error_at(float(one.cpu[index])) == pytest.approx(one.rmse[index], rel=1e-12)
     assert one.error_at(0.99 * one.cpu[0]) == np.inf
     assert one.error_at(4.0 * one.cpu[-1]) == pytest.approx(np.hypot(0.05, one.noise[-1] / 2.0), rel=1e-12)
+    assert one.error_of(4.0 * one.samples[-1]) == pytest.approx(np.hypot(0.05, one.noise[-1] / 2.0), rel=1e-12)
     assert (one.start, one.per_sample) == pytest.approx((START, 1e-3), rel=1e-9)
+
+
+def test_noise_that_falls_faster_than_by_chance_goes_on_so():
+    """Or a rival with even samples would look worse than it is. What falls slower is a handful of hits."""
+    for power, kept in ((-0.9, 0.9), (-0.3, 0.5)):
+        curve = contest(with_mirror(noise=np.array(COUNTS) ** power, bias2=0.0 * np.array(COUNTS)))
+        one = curve.curves["mirror, nodes"]
+        assert one.error_of(10.0 * COUNTS[-1]) == pytest.approx(COUNTS[-1] ** power * 10.0**-kept, rel=1e-9)
 
 
 def test_winner_changes_where_the_curves_cross():
@@ -283,8 +292,9 @@ def test_claims_are_those_of_the_numbers():
     cells = report()["runs"]["5.2.3"]["cells"]
     found = claimed(cells)
     by_mirror = (
-        "in 1 of 1 whose truth is had without it, in 1 of which it is known to be below 1 %; in the others the truth "
-        "is mirror's own, which `vgroove check` holds against the reference"
+        "in 1 of 1 scenes whose truth is had without it, in 1 of which it is known to be below 1 %, in all below "
+        f"{summary.percent(contest(accuracy()).curves['mirror, nodes'].at_most)}; in the others the truth is mirror's "
+        "own, which `vgroove check` holds against the reference"
     )
     assert found == {
         "The noise of": ("−0.50, the median of 1 scenes (−0.50 to −0.50)", True),
@@ -389,6 +399,15 @@ def test_mirror_is_unbiased_by_truths_that_it_has_no_part_in():
     assert "The bias of" not in claimed({"accuracy/a/b": with_mirror(bias2=off) | {"independent": False}})
 
 
+def test_a_bias_that_few_hits_leave_unknown_is_not_claimed():
+    """As little as a bound of more than all light there is told as one."""
+    wide = np.full(len(COUNTS), 1.0)
+    sun = with_mirror("sun", bias2_error=wide) | {"independent": True}
+    assert "The bias of" not in claimed({"accuracy/a/b": sun})
+    unknown = contest(with_mirror(bias2_error=wide)).curves["mirror, nodes"]
+    assert summary.bias(unknown) == "not known"
+
+
 def test_a_universal_material_that_is_quicker_or_differs_breaks_a_claim():
     found = claimed({"left_out/a": left_out(2.0), "left_out/b": left_out(0.99)})
     assert found["One universal material"][1] is False
@@ -437,6 +456,9 @@ def test_a_rival_that_is_not_resolved_is_no_factor():
     wins = contest(cell).wins
     assert wins
     assert all(win.over.keys() == {"closure"} for win in wins)
+    rare = contest(accuracy("sun"))
+    assert rare.seldom == {"mirror"}
+    assert all("mirror" not in win.over for win in rare.wins)
     assert summary.won_text(findings.Win(1.0, "closure", 0.02, {"closure": 1.0})) == "closure 2 %"
     said = summary.won_text(wins[0])
     assert said == f"{wins[0].winner} {100 * wins[0].error:.3g} % (closure {wins[0].over['closure']:.2f} ×)"
@@ -532,6 +554,12 @@ def test_a_value_is_told_as_it_is_and_as_float32_has_it():
     assert [row[2] for row in rows] == ["1.000000001 (1 in float32)", "89.99999237", "0.1"]
     assert rows[0][7:10] == ["0.004", "1e-07", "2e-07"]
     assert all(len(row) == len(summary.CASE_COLUMNS) for row in rows)
+    few = case("shot", {"where": 1e5}) | {"noise": 5.0, "numbers": 12.25, "rays": 9.6, "again": True}
+    bare = case("shot", {}) | {"numbers": 4.0}
+    rows = summary.case_rows(only({"stability/a": {"cases": [few, bare]}}))
+    at = {name: summary.CASE_COLUMNS.index(name) for name in ("noise", "numbers")}
+    assert [rows[0][at["noise"]], rows[0][at["numbers"]], rows[0][-1]] == ["5", "12 (10)", "passed by another seed"]
+    assert [rows[1][at["noise"]], rows[1][at["numbers"]], rows[1][-1]] == ["", "4", "passed"]
 
 
 def test_long_groups_of_cases_go_on_in_a_row_of_their_own():
@@ -554,7 +582,7 @@ def test_a_report_says_how_long_it_took_and_what_it_lacks():
 def test_factors_of_a_handful_of_hits_are_not_told():
     cells = {"accuracy/a/b": accuracy("sun"), "accuracy/c/d": accuracy()}
     told = next(line for line in summary.headlines(only(cells)) if line.startswith("After the same time"))
-    assert told.endswith("as much as the best estimator. Not counted is what seldom hits the lamp.")
+    assert told.endswith("as much as the best of all, these included. Not counted is what seldom hits the lamp.")
     assert re.search(r"mirror errs \S+ ×, at worst \S+ × \(softbox, copper\)", told)
 
 

@@ -102,6 +102,27 @@ def test_a_furnace_finds_mirror_without_bias_and_closure_with_its_own(tmp_path, 
 
 
 @pytest.mark.blender
+def test_a_computed_truth_looks_as_cycles_renders_it(tmp_path, monkeypatch, blender):
+    """To an eye, in the judged pixels; and around them nothing differs but what a mesh's outline does."""
+    monkeypatch.setattr(contenders, "QUICK_COUNTS", (64, 1024))
+    monkeypatch.setattr(accuracy, "ROUNDS", range(2, 3))
+    found = accuracy.measure(tmp_path, "softbox", "plaster", quick=True)
+    corrected = found["contenders"]["corrected, nodes"]["flip"]
+    assert corrected[1] < corrected[0] < 0.05
+    files = found["pictures"]["files"]
+    reference, mirror = (seen(tmp_path / files[label]) for label in ("reference", accuracy.MIRROR))
+    judged = scenes.ball_pixels(accuracy.PICTURE_SIZE)
+    np.testing.assert_array_equal(reference[~judged], mirror[~judged])
+    assert not np.array_equal(reference[judged], mirror[judged])
+
+
+def seen(path):
+    import OpenImageIO as oiio  # Blender's own, which is there once it is imported
+
+    return oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)[..., :3]
+
+
+@pytest.mark.blender
 @pytest.mark.parametrize("name", findings.SCENES)
 def test_each_scene_shows_its_ball_where_it_is_judged(name, blender):
     """A material that glows is seen in every judged pixel, and beside the ball in none that is not near it."""

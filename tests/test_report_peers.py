@@ -51,6 +51,16 @@ def test_flip_sees_pictures_as_a_monitor_shows_them():
     assert flip(0.01 * grey, 0.02 * grey) > flip(0.81 * grey, 0.82 * grey)
 
 
+def test_flip_is_of_the_judged_pixels_alone(ramp):
+    """Whatever stands around them, and what noise there is in them counts as much as in a picture of nothing else."""
+    judged = np.zeros((32, 32), np.bool_)
+    judged[8:24, 8:24] = True
+    dark = np.where(judged[..., None], ramp, 0.0)
+    assert flip(dark, ramp, judged) == 0.0
+    assert flip(dark, ramp) > 0.1
+    assert flip(dark, noisy(ramp, 0.1), judged) == pytest.approx(flip(ramp, noisy(ramp, 0.1)), rel=0.5)
+
+
 def test_flip_refuses_pictures_of_two_sizes():
     """Before the library does, which would end the process."""
     with pytest.raises(ValueError, match=r"of one size, got \(4, 4, 3\) and \(4, 5, 3\)"):

@@ -80,6 +80,33 @@ def test_what_is_not_finite_negative_or_too_much_fails():
     assert judged(np.array([0.5, 1.0001]), most=None)["passed"]
 
 
+def test_a_material_that_is_black_fails(instrument, monkeypatch):
+    """Estimators that only come near the formula are held to no Z-test, and yet not to nothing."""
+    for what in ("sigma, full, closure", "m, fit", "eta, closure, m = 0.1, outside"):
+        line = next(line for line in stability.TABLE if line.what == what)
+        assert stability.judged(line, line.values[2], check.SETUPS[0])["passed"]
+        with monkeypatch.context() as patch:
+            for module in (check, stability.check_glass):
+                patch.setattr(module, "measure", lambda *_: np.zeros((8, 64, 3)))
+            assert not stability.judged(line, line.values[2], check.SETUPS[0])["passed"]
+
+
+@pytest.mark.parametrize("eta", [1.0 - 2.0**-24, 1.0, 1.0 + 2.0**-23])
+def test_of_next_to_nothing_the_limit_says_that_cycles_leaves_it_out(instrument, eta):
+    """Not of nothing; and light that it says is left out is not there."""
+    seen = stability.facets(stability.float32_eta, eta, check.SETUPS[0])
+    assert ("leaves out closures" in seen.limit) is (eta != 1.0)
+    assert seen.image.max() <= stability.LIGHTEST
+
+
+def test_light_near_the_horizon_says_what_rounding_does(instrument):
+    light = partial(stability.grazing_light, "direct", 1e-3)
+    assert light(45.0, check.SETUPS[0]).limit == ""
+    seen = light(89.99, check.SETUPS[0])
+    assert f"to {100.0 * seen.more['bar']:.2g} % of the lobe" in seen.limit
+    assert stability.grazing_light("corrected", 0.3, 89.99999, check.SETUPS[2]).limit.endswith("to below 0")
+
+
 def test_a_stated_limit_excuses_bias_but_nothing_else():
     """No light beyond what came, nothing negative or broken, and not what it states itself."""
     row = Row("", check.SETUPS[0], "", 0.0, [view(np.full((32, 32, 3), 0.6))])

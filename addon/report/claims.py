@@ -77,14 +77,16 @@ def _unbiased(run: Run) -> Claim | None:
         (contest, curve)
         for contest, curve in run.curves
         if curve.estimator == "mirror" and curve.competes and contest.independent and curve.last is not None
+        if not curve.seldom
     ]
     if not mirrors:
         return None
     told = [f"{contest.title}: {percent(curve.floor)}" for contest, curve in mirrors if curve.told]
     small = sum(not curve.told and curve.at_most < TARGETS[-1] for _, curve in mirrors)
     found = (
-        f"in {len(mirrors) - len(told)} of {len(mirrors)} whose truth is had without it, in {small} of which it is "
-        f"known to be below {percent(TARGETS[-1])}"
+        f"in {len(mirrors) - len(told)} of {len(mirrors)} scenes whose truth is had without it, in {small} of which "
+        f"it is known to be below {percent(TARGETS[-1])}, in all below "
+        f"{percent(max(curve.at_most for _, curve in mirrors))}"
     )
     if told:
         found += f"; but it is told in {', '.join(told)}"
@@ -106,7 +108,7 @@ def _automatic(run: Run) -> Claim | None:
             f"({contest.title}, {worst.samples} samples, {worst.estimator}; this factor is known to "
             f"{100.0 * worst.doubt:.0f} %)"
         )
-    return Claim(f"Automatic is within {100 * (CLOSE - 1):.0f} % of the best", found, not far)
+    return Claim(f"Automatic is within {100 * (CLOSE - 1):.0f} % of the best that it may pick", found, not far)
 
 
 def _universal(run: Run) -> Claim | None:

@@ -196,13 +196,13 @@ class Curve:
         if before < 0 or not (self.resolved[before] and self.resolved[after]):
             return float("inf")
         if samples > self.samples[-1]:
-            return float(np.sqrt(max(self.bias2[-1], 0.0) + self.noise[-1] ** 2 * self.samples[-1] / samples))
+            return self._beyond(samples / self.samples[-1])
         return float(np.exp(np.interp(np.log(samples), np.log(self.samples), np.log(_positive(self.rmse)))))
 
     def error_at(self, seconds: float) -> float:
         """The error after so many processor seconds; infinite where it is not known, as before the first render ends.
 
-        After the last the bias stays, and the noise falls on as 1/sqrt(N).
+        After the last the bias stays, and the noise falls on as it did, or as 1/sqrt(N) if that is faster.
         """
         times = _rising(self.cpu)
         before = int(np.searchsorted(times, seconds, side="right")) - 1
@@ -210,15 +210,20 @@ class Curve:
         if before < 0 or not (self.resolved[before] and self.resolved[after]):
             return float("inf")
         if seconds > times[-1]:
-            return float(np.sqrt(max(self.bias2[-1], 0.0) + self.noise[-1] ** 2 * times[-1] / seconds))
+            return self._beyond(seconds / times[-1])
         return float(np.exp(np.interp(np.log(seconds), np.log(times), np.log(_positive(self.rmse)))))
+
+    def _beyond(self, more: float) -> float:
+        """The error of ``more`` times as many samples as the last count has."""
+        power = max(0.5, -self.slope.value) if self.slope else 0.5
+        return float(np.sqrt(max(self.bias2[-1], 0.0) + (self.noise[-1] * more**-power) ** 2))
 
 
 @dataclass(frozen=True)
 class Win:
     """Who errs least at so many seconds, or samples; over: by how much more the others of ``AGAINST`` err then.
 
-    Whose error is not known neither wins nor is in ``over``.
+    Whose error is not known neither wins nor is in ``over``, in which nothing is that seldom hits the lamp.
     """
 
     at: float
@@ -298,15 +303,27 @@ class Contest:
         if not self.rivals:
             return []
         last = min(float(np.max(curve.cpu)) for curve in self.rivals)
-        found = [_win(seconds, self._errors_at(seconds)) for seconds in _round_times(self.judged_from, last)]
+        found = [self._win(seconds, self._errors_at(seconds)) for seconds in _round_times(self.judged_from, last)]
         return [win for win in found if win]
 
     @cached_property
     def even(self) -> list[Win]:
         """At each sample count, all with as many: what can be said where starting dominates and ``wins`` is empty."""
         counts = self.rivals[0].samples if self.rivals else ()
-        found = [_win(float(count), self._errors_of(index)) for index, count in enumerate(counts)]
+        found = [self._win(float(count), self._errors_of(index)) for index, count in enumerate(counts)]
         return [win for win in found if win]
+
+    def _win(self, at: float, errors: dict[str, float]) -> Win | None:
+        if not errors:
+            return None
+        winner, error = min(errors.items(), key=lambda one: one[1])
+        against = [name for name in AGAINST if name in errors and name not in self.seldom and error > 0.0]
+        return Win(at, winner, error, {name: errors[name] / error for name in against})
+
+    @cached_property
+    def seldom(self) -> set[str]:
+        """Estimators whose errors here are of a handful of hits."""
+        return {curve.estimator for curve in self.rivals if curve.seldom}
 
     def _errors_at(self, seconds: float) -> dict[str, float]:
         """By estimator, of those whose error is known."""
@@ -355,14 +372,6 @@ def rmse_error(curve: Curve) -> NDArray[np.float64]:
     """
     total = curve.bias2_error * np.sqrt(curve.seeds)
     return total / np.maximum(2.0 * curve.rmse, np.finfo(np.float64).tiny)
-
-
-def _win(at: float, errors: dict[str, float]) -> Win | None:
-    if not errors:
-        return None
-    winner, error = min(errors.items(), key=lambda one: one[1])
-    over = {name: errors[name] / error for name in AGAINST if name in errors and error > 0.0}
-    return Win(at, winner, error, over)
 
 
 @dataclass(frozen=True)
@@ -415,6 +424,7 @@ class Case:
     """An extreme case. setup: how it is rendered; limit: what is done in place of what was asked, "" if nothing.
 
     resolves: the smallest common factor, less 1, that z would have told from chance. error, bar: of what is exact.
+    again: passed by another seed. noise: over what samples explain; numbers: that differ in a pixel; rays: as foreseen.
     """
 
     group: str
@@ -430,6 +440,10 @@ class Case:
     bar: float | None
     limit: str
     passed: bool
+    again: bool
+    noise: float | None
+    numbers: float | None
+    rays: float | None
 
 
 @dataclass(frozen=True)
@@ -549,7 +563,8 @@ def _case(group: str, case: dict[str, Any]) -> Case:
     return Case(
         group, case["what"], _value(case), case.get("setup", ""), case["finite"], case.get("lowest"),
         case.get("highest"), case.get("z"), case.get("resolves"), case.get("error"), case.get("bar"),
-        case.get("limit") or "", case["passed"],
+        case.get("limit") or "", case["passed"], bool(case.get("again")), case.get("noise"), case.get("numbers"),
+        case.get("rays"),
     )  # fmt: skip
 
 

@@ -107,7 +107,7 @@ def error(run: Run) -> Figure:
         for curve, look in _looks(contest):
             ax.plot(curve.cpu, curve.rmse, **look)
             _unknown(ax, curve, curve.cpu, curve.rmse, look["color"])
-            if curve.competes and curve.told:
+            if curve.told:
                 ax.plot([0.93, 1.0], [curve.floor] * 2, c=look["color"], **FLOOR, transform=ax.get_yaxis_transform())
     floor = Line2D([], [], label="bias left", c="#666666", **FLOOR)
     _finish(figure, panels, [curve.cpu for _, curve in run.curves], [curve.rmse for _, curve in run.curves], (floor,))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from .findings import Contest, Curve, Dropped, Reached, Run, Win
+    from .findings import Case, Contest, Curve, Dropped, Reached, Run, Win
     from .plots import Drawn
 
 FILE = "report.md"
@@ -37,7 +37,8 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
         "",
         "`vgroove report -o DIR` measured this, and `vgroove report --from DIR/report.json` draws it anew; on",
         f"{machine_text(machine)}.",
-        "Errors are root mean squares, as shares of the truth's. Times are of the processor unless said otherwise.",
+        "An error is the root mean square of a picture less the truth, over that of the truth. Times are of the",
+        "processor unless said otherwise.",
     ]
     for run in found:
         drawn = figures.get(run.blender, {})
@@ -80,24 +81,28 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
 WINS = (
     "The estimator that errs least, its error, and how many times as much "
     + " and ".join(AGAINST)
-    + " err then, where that is known. Node groups alone; shorter times are mostly what a render needs to start."
+    + " err then, where that is known. Only node groups compete. Times that a render mostly starts in are left out."
 )
 TOO_SHORT = "Where all renders are too short to be judged by their times, who errs least at equal samples:"
 CURVES = (
-    "Slope: of log noise over log samples, from 64 to 4096. Bias: at the most samples; < where it cannot be told from "
-    "0. Times: of the processor, and in brackets by the clock. Not resolved: rare events make most of the noise, and "
-    "no seed has met them; such sample counts are left out. Direct leaves out all but lamps, which counts as its bias. "
-    "Automatic goes by rounded numbers of reports like this one, which it is seen to use well here; that they hold "
-    "elsewhere is not seen. Not raced: glass in a furnace, which sends back all light, and what scatters below its "
-    "surface under a lamp, which no formula at lamps has."
+    "Slope: of log noise over log samples, from 64 to 4096. Bias: at the largest sample count; < an upper bound, where "
+    "it cannot be told from 0. Times: of the processor, and in brackets by the clock. FLIP: at the largest sample "
+    "count, of the pixels that are judged. Not resolved: rare events make most of the noise, and no seed has met them; "
+    "such sample counts are left out. Direct leaves out all but lamps, which counts as its bias. Automatic goes by "
+    "rounded numbers of reports like this one; no scene but these has tested it. Not raced: glass in a furnace, which "
+    "sends back all light; what scatters below its surface under a lamp, which no formula at lamps has; pairs that "
+    "tell nothing that the others do not."
 )
 CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for target in TARGETS), "FLIP", "remarks")
 CASES = (
-    "Lowest and highest: of all pixels; under a white sky what is sent back of it, else f in 1/sr. Z: of one factor on "
-    "all pixels, and the smallest that it would have told from chance. Error: of what needs no chance, beside its bar."
+    "Lowest and highest: of all pixels; under a white sky what is sent back of it, else f in 1/sr. Z: of an error of "
+    "scale that all pixels share, in its standard errors; tells: the smallest such error that would be found. Error: "
+    "of what needs no chance, beside its bar. Noise: over what independent samples have; numbers: how many different "
+    "ones the hash of position draws in a pixel, and how many the panel foresees."
 )
 CASE_COLUMNS = (
-    "group", "what", "value", "run as", "lowest", "highest", "Z", "tells", "error", "bar", "limit", "",
+    "group", "what", "value", "run as", "lowest", "highest", "Z", "tells", "error", "bar", "noise", "numbers", "limit",
+    "",
 )  # fmt: skip
 LEFT_OUT = (
     "The universal material (one for each estimator and backend, which are no inputs), which shows presets by its "
@@ -110,7 +115,8 @@ LEFT_OUT_COLUMNS = (
 )  # fmt: skip
 DROPPED = (
     "What the builder leaves out: in how many cases, and how many nodes more and times as long in the median of those "
-    "where it was put back. These times are of one round each: what differs little from 1 is chance."
+    "where it was put back (the closure beside it, which EEVEE shows, is built and was taken away). These times are of "
+    "one round each: what differs little from 1 is chance."
 )
 DROPPED_COLUMNS = ("what", "left out", "nodes", "time", "picture")
 DROPPED_EACH = "Case by case, and why."
@@ -137,18 +143,10 @@ def headlines(run: Run) -> list[str]:
 
 
 def _winners(run: Run) -> str:
-    """In the median and at worst, as one estimator may be the best in most scenes and far off in some.
-
-    Where rays seldom hit the lamp, a factor would be of a handful of hits.
-    """
+    """In the median and at worst, as one estimator may be the best in most scenes and far off in some."""
     said = []
-    seldom = {(contest.title, curve.estimator) for contest, curve in run.curves if curve.competes and curve.seldom}
     for name in AGAINST:
-        found = [
-            (win.over[name], contest.title)
-            for contest, win in run.wins
-            if name in win.over and (contest.title, name) not in seldom
-        ]
+        found = [(win.over[name], contest.title) for contest, win in run.wins if name in win.over]
         if found:
             worst, where = max(found)
             said.append(
@@ -156,16 +154,16 @@ def _winners(run: Run) -> str:
             )
     if not said:
         return ""
-    but = " Not counted is what seldom hits the lamp." if seldom else ""
-    return f"After the same time, in the median, {' and '.join(said)} as much as the best estimator.{but}"
+    but = " Not counted is what seldom hits the lamp." if any(contest.seldom for contest in run.contests) else ""
+    return f"After the same time, in the median, {' and '.join(said)} as much as the best of all, these included.{but}"
 
 
 def _bends(run: Run) -> str:
-    """Why curves are no straight lines of slope -1/2."""
+    """Why curves are no straight lines of slope -1/2; of slopes that are known well enough to say it."""
     known = [
         (curve.estimator, curve.slope.value)
         for contest, curve in run.curves
-        if curve.competes and curve.slope and not contest.smooth
+        if curve.competes and curve.slope and (curve.slope.error or 0.0) <= claims.SLOPE_BAR and not contest.smooth
     ]
     even, random = ([slope for name, slope in known if name in names] for names in (EVEN, HASHED))
     if not even or not random:
@@ -242,7 +240,8 @@ def about(contest: Contest) -> str:
     if contest.picks:
         choices = {pick.estimator: None for pick in contest.picks}
         worst = max(contest.picks, key=lambda pick: pick.ratio)
-        said += f" Automatic: {', then '.join(choices)}; at worst {times(worst.ratio)} as much error as the best."
+        said += f" Automatic: {', then '.join(choices)}; at worst {times(worst.ratio)} as much error as the best of all"
+        said += " that it may pick."
         if contest.refused:
             said += f" It may not pick {', '.join(f'{name} ({why})' for name, why in contest.refused.items())}."
     return said
@@ -268,10 +267,24 @@ def case_rows(run: Run) -> list[list[str]]:
     return [
         [
             case.group, case.what, case.value, case.setup, plain(case.lowest), plain(case.highest), plain(case.z),
-            plain(case.resolves), plain(case.error), plain(case.bar), case.limit, "passed" if case.passed else "FAILED",
+            plain(case.resolves), plain(case.error), plain(case.bar), plain(case.noise), numbers(case), case.limit,
+            verdict(case),
         ]
         for case in ordered
     ]  # fmt: skip
+
+
+def numbers(case: Case) -> str:
+    """Seen, and in brackets foreseen."""
+    if case.numbers is None:
+        return ""
+    return f"{case.numbers:.0f}" + ("" if case.rays is None else f" ({case.rays:.0f})")
+
+
+def verdict(case: Case) -> str:
+    if not case.passed:
+        return "FAILED"
+    return "passed by another seed" if case.again else "passed"
 
 
 def left_out_rows(run: Run) -> list[list[str]]:
@@ -341,7 +354,9 @@ def remarks(curve: Curve) -> str:
 def bias(curve: Curve) -> str:
     if curve.last is None:
         return ""
-    return percent(curve.floor) if curve.told else f"< {percent(curve.at_most)}"
+    if curve.told:
+        return percent(curve.floor)
+    return f"< {percent(curve.at_most)}" if curve.at_most < 1.0 else "not known"
 
 
 def reached(at: Reached) -> str:
