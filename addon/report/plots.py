@@ -108,7 +108,8 @@ def error(run: Run) -> Figure:
             ax.plot(curve.cpu, curve.rmse, **look)
             _unknown(ax, curve, curve.cpu, curve.rmse, look["color"])
             if curve.told:
-                ax.plot([0.93, 1.0], [curve.floor] * 2, c=look["color"], **FLOOR, transform=ax.get_yaxis_transform())
+                style = {"c": look["color"], "zorder": 3 if curve.competes else 2}
+                ax.plot([0.93, 1.0], [curve.floor] * 2, **FLOOR, **style, transform=ax.get_yaxis_transform())
     floor = Line2D([], [], label="bias left", c="#666666", **FLOOR)
     _finish(figure, panels, [curve.cpu for _, curve in run.curves], [curve.rmse for _, curve in run.curves], (floor,))
     return figure
