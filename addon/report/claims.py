@@ -49,14 +49,15 @@ def _slope(run: Run) -> Claim | None:
         for contest, curve in run.curves
         if curve.estimator == "mirror" and curve.competes and curve.seldom
     ]
-    slopes = {
-        contest.title: curve.slope
+    told = [
+        (contest, curve.slope)
         for contest, curve in run.curves
-        if curve.estimator == "mirror" and curve.competes and curve.slope and not contest.smooth
-    }
+        if curve.estimator == "mirror" and curve.competes and curve.slope
+    ]
+    slopes = {contest.title: slope for contest, slope in told if not contest.smooth}
     if not slopes:
         return None
-    known = {title: one.value for title, one in slopes.items() if (one.error or 0.0) <= SLOPE_BAR}
+    known = {title: one.value for title, one in slopes.items() if one.known_to(SLOPE_BAR)}
     off = [f"{title}: {number(value)}" for title, value in known.items() if abs(value - SLOPE) > SLOPE_BAR]
     found = "in no scene is it known so well"
     if known:
@@ -68,30 +69,36 @@ def _slope(run: Run) -> Claim | None:
             found += f"; not known so well in {', '.join(title for title in slopes if title not in known)}"
         if seldom:
             found += f"; not told in {len(seldom)} whose lamp rays seldom hit"
+        for title, slope in ((contest.title, slope) for contest, slope in told if contest.smooth):
+            found += f"; not judged in {title}, where nothing is drawn by a hash ({number(slope.value)})"
     claim = f"The noise of mirror falls as samples to the power of {number(SLOPE)} ± {SLOPE_BAR:g}"
     return Claim(claim, "; but ".join([found, *([", ".join(off)] if off else [])]), bool(known) and not off)
 
 
 def _unbiased(run: Run) -> Claim | None:
+    """At the most samples, where noise hides least of it, and what seeds share is least."""
     mirrors = [
         (contest, curve)
         for contest, curve in run.curves
-        if curve.estimator == "mirror" and curve.competes and contest.independent and curve.last is not None
-        if not curve.seldom
+        if curve.estimator == "mirror" and curve.competes and curve.last is not None
     ]
-    if not mirrors:
+    judged = [(contest, curve) for contest, curve in mirrors if contest.independent and not curve.seldom]
+    if not judged:
         return None
-    told = [f"{contest.title}: {percent(curve.floor)}" for contest, curve in mirrors if curve.told]
-    small = sum(not curve.told and curve.at_most < TARGETS[-1] for _, curve in mirrors)
+    told = [f"{contest.title}: {percent(curve.floor)}" for contest, curve in judged if curve.told]
+    small = sum(not curve.told and curve.at_most < TARGETS[-1] for _, curve in judged)
     found = (
-        f"in {len(mirrors) - len(told)} of {len(mirrors)} scenes whose truth is had without it, in {small} of which "
+        f"in {len(judged) - len(told)} of {len(judged)} scenes whose truth is had without it, in {small} of which "
         f"it is known to be below {percent(TARGETS[-1])}, in all below "
-        f"{percent(max(curve.at_most for _, curve in mirrors))}"
+        f"{percent(max(curve.at_most for _, curve in judged))}"
     )
     if told:
         found += f"; but it is told in {', '.join(told)}"
-    found += "; in the others the truth is mirror's own, which `vgroove check` holds against the reference"
-    return Claim("The bias of mirror cannot be told from 0", found, not told)
+    if seldom := sum(curve.seldom for _, curve in mirrors):
+        found += f"; not judged in {seldom} whose lamp rays seldom hit"
+    if others := sum(not contest.independent for contest, _ in mirrors):
+        found += f"; in {others} more the truth is mirror's own, which `vgroove check` holds against the reference"
+    return Claim("The bias of mirror cannot be told from 0 at the most samples", found, not told)
 
 
 def _automatic(run: Run) -> Claim | None:
@@ -102,6 +109,10 @@ def _automatic(run: Run) -> Claim | None:
     found = f"at {near} of {len(run.picks)} sample counts"
     if by_chance := len(run.picks) - near - far:
         found += f", and as far as chance lets one tell at {by_chance} more"
+    if (of_all := sum(pick.of_all <= CLOSE for _, pick in run.picks)) < near:
+        found += (
+            f"; of all, those too that it may not pick where they leave light out or shine through things, at {of_all}"
+        )
     if worst.ratio > 1.0:
         found += (
             f"; at worst it errs {times(worst.ratio)} as much as {worst.winner} "

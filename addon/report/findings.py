@@ -53,6 +53,9 @@ class Slope:
     value: float
     error: float | None
 
+    def known_to(self, bar: float) -> bool:
+        return self.error is not None and self.error <= bar
+
 
 @dataclass(frozen=True)
 class Reached:
@@ -237,7 +240,8 @@ class Pick:
     """What Automatic takes at a sample count, and its error over the winner's.
 
     Both are given equal processor time for their samples. What a render starts with is left out: it does not grow with
-    the picture, and those that a report renders are small. doubt: the standard error of the ratio's logarithm.
+    the picture, and those that a report renders are small. doubt: the standard error of the ratio's logarithm. of_all:
+    over the best of all, those too that it may not pick.
     """
 
     samples: int
@@ -245,6 +249,7 @@ class Pick:
     winner: str
     ratio: float
     doubt: float
+    of_all: float
 
     @property
     def close(self) -> bool:
@@ -344,18 +349,21 @@ class Contest:
             if own is None or not own.resolved[index]:
                 continue
             seconds = own.samples[index] * own.per_sample
-            errors = {
+            of_all = {
                 curve.estimator: curve.error_of(seconds / curve.per_sample)
                 for curve in self.rivals
-                if curve.per_sample > 0.0 and curve.estimator not in self.refused
+                if curve.per_sample > 0.0
             }
-            errors[name] = float(own.rmse[index])
+            of_all[name] = float(own.rmse[index])
+            errors = {one: error for one, error in of_all.items() if one not in self.refused}
             winner = min(errors, key=lambda one: errors[one])
-            ratio = errors[name] / errors[winner] if errors[winner] > 0.0 else 1.0
+            ratio, beside_all = (
+                errors[name] / least if least > 0.0 else 1.0 for least in (errors[winner], min(of_all.values()))
+            )
             best = by_estimator[winner]
             there = int(np.searchsorted(best.samples[1:], seconds / best.per_sample, side="right"))
             doubt = np.hypot(self._doubt(own)[index], self._doubt(best)[there])
-            found.append(Pick(int(own.samples[index]), name, winner, ratio, float(doubt)))
+            found.append(Pick(int(own.samples[index]), name, winner, ratio, float(doubt), beside_all))
         return found
 
     def _doubt(self, curve: Curve) -> NDArray[np.float64]:

@@ -172,7 +172,7 @@ def _finish(
     """The same logarithmic axes for all panels, lines of slope -1/2 to hold curves against, and one legend."""
     left, right = float(np.min(np.concatenate(across))), float(np.max(np.concatenate(across)))
     heights = np.concatenate(up)
-    low, high = float(np.quantile(heights[heights > 0.0], 0.005)), float(np.max(heights))
+    low, high = float(np.min(heights[heights > 0.0])), float(np.max(heights))
     low, high = max(low, 1e-5) / 1.5, min(high, 10.0) * 1.5
     x = np.array([left / 1.3, right * 1.3])
     for _, ax in panels:

@@ -163,7 +163,7 @@ def _bends(run: Run) -> str:
     known = [
         (curve.estimator, curve.slope.value)
         for contest, curve in run.curves
-        if curve.competes and curve.slope and (curve.slope.error or 0.0) <= claims.SLOPE_BAR and not contest.smooth
+        if curve.competes and curve.slope and curve.slope.known_to(claims.SLOPE_BAR) and not contest.smooth
     ]
     even, random = ([slope for name, slope in known if name in names] for names in (EVEN, HASHED))
     if not even or not random:
@@ -173,7 +173,8 @@ def _bends(run: Run) -> str:
         f"({number(min(even))} to {number(max(even))}), as Cycles spreads a pixel's samples evenly; that of "
         f"{' and '.join(HASHED)} as {number(median(random))} ({number(min(random))} to {number(max(random))}), as "
         "their facets are independent, by a hash. Errors stop falling where bias is left, which plots mark, and jump "
-        "where a light is met for the first time."
+        "where a light is met for the first time. What is drawn by the hash of a place is the same by every seed in a "
+        "pixel's first sample, which Cycles sends through its middle: a share of 1/N of the noise looks like bias."
     )
 
 
