@@ -500,6 +500,25 @@ def test_a_rival_that_is_not_resolved_is_no_factor():
     assert said == f"{wins[0].winner} {100 * wins[0].error:.3g} % (closure {wins[0].over['closure']:.2f} ×)"
 
 
+def test_a_count_that_is_not_resolved_is_bridged_between_two_that_are():
+    """Straight in both logarithms; beyond the last that is known nothing is."""
+    cell = accuracy()
+    cell["contenders"]["closure, nodes"]["resolved"] = [k not in (3, 4, len(COUNTS) - 1) for k in range(len(COUNTS))]
+    curve = contest(cell).curves["closure, nodes"]
+    before, after = (np.log(curve.rmse[k]) for k in (2, 5))
+    assert np.log(curve.error_of(COUNTS[3])) == pytest.approx(before + (after - before) / 3, rel=1e-12)
+    assert curve.error_of(COUNTS[-2]) == pytest.approx(curve.rmse[-2], rel=1e-12)
+    assert curve.error_of(1.01 * COUNTS[-2]) == np.inf
+
+
+def test_who_errs_least_is_not_told_where_a_rival_is_not_known():
+    """closure is known at 4096 samples alone: before that it might be the best."""
+    cell = accuracy()
+    cell["contenders"]["closure, nodes"]["resolved"] = [False] * (len(COUNTS) - 1) + [True]
+    assert contest(cell).wins == []
+    assert [win.at for win in contest(cell).even] == [COUNTS[-1]]
+
+
 def test_where_starting_dominates_equal_samples_are_told():
     """Of 16, 64 and 256 samples of 1 ms after 0.5 s: noise .3 / sqrt(N) and a bias of .05 or none."""
     cell = accuracy(counts=(16, 64, 256))

@@ -192,29 +192,26 @@ class Curve:
     def error_of(self, samples: float) -> float:
         """The error of so many samples; infinite where it is not known, as with fewer than were measured.
 
-        After the last count as in ``error_at``.
+        Between known counts, over those between that are not. After the last as in ``error_at``.
         """
-        before = int(np.searchsorted(self.samples, samples, side="right")) - 1
-        after = min(int(np.searchsorted(self.samples, samples)), len(self.samples) - 1)
-        if before < 0 or not (self.resolved[before] and self.resolved[after]):
-            return float("inf")
-        if samples > self.samples[-1]:
-            return self._beyond(samples / self.samples[-1])
-        return float(np.exp(np.interp(np.log(samples), np.log(self.samples), np.log(_positive(self.rmse)))))
+        return self._error(samples, self.samples)
 
     def error_at(self, seconds: float) -> float:
         """The error after so many processor seconds; infinite where it is not known, as before the first render ends.
 
         After the last the bias stays, and the noise falls on as it did, or as 1/sqrt(N) if that is faster.
         """
-        times = _rising(self.cpu)
-        before = int(np.searchsorted(times, seconds, side="right")) - 1
-        after = min(int(np.searchsorted(times, seconds)), len(times) - 1)
-        if before < 0 or not (self.resolved[before] and self.resolved[after]):
+        return self._error(seconds, _rising(self.cpu))
+
+    def _error(self, at: float, along: NDArray[np.float64]) -> float:
+        if self.last is None or at < along[self.resolved][0]:
             return float("inf")
-        if seconds > times[-1]:
-            return self._beyond(seconds / times[-1])
-        return float(np.exp(np.interp(np.log(seconds), np.log(times), np.log(_positive(self.rmse)))))
+        if at > along[-1] and self.resolved[-1]:
+            return self._beyond(at / along[-1])
+        if at > along[self.last]:
+            return float("inf")
+        known = np.log(_positive(self.rmse[self.resolved]))
+        return float(np.exp(np.interp(np.log(at), np.log(along[self.resolved]), known)))
 
     def _beyond(self, more: float) -> float:
         """The error of ``more`` times as many samples as the last count has."""
@@ -226,7 +223,7 @@ class Curve:
 class Win:
     """Who errs least at so many seconds, or samples; over: by how much more the others of ``AGAINST`` err then.
 
-    Whose error is not known neither wins nor is in ``over``, in which nothing is that seldom hits the lamp.
+    Whose error is known nowhere neither wins nor is in ``over``, in which nothing is that seldom hits the lamp.
     """
 
     at: float
@@ -331,13 +328,21 @@ class Contest:
         return {curve.estimator for curve in self.rivals if curve.seldom}
 
     def _errors_at(self, seconds: float) -> dict[str, float]:
-        """By estimator, of those whose error is known."""
-        errors = {curve.estimator: curve.error_at(seconds) for curve in self.rivals}
-        return {name: error for name, error in errors.items() if np.isfinite(error)}
+        """By estimator, of those whose error is known; none if another might err less."""
+        return self._known({curve.estimator: curve.error_at(seconds) for curve in self.rivals})
 
     def _errors_of(self, index: int) -> dict[str, float]:
         """As ``_errors_at``, at a sample count."""
-        return {curve.estimator: float(curve.rmse[index]) for curve in self.rivals if curve.resolved[index]}
+        return self._known(
+            {curve.estimator: float(curve.rmse[index]) if curve.resolved[index] else np.inf for curve in self.rivals}
+        )
+
+    def _known(self, errors: dict[str, float]) -> dict[str, float]:
+        """An error that is known at other counts might be the least here; where hits are rare it is not."""
+        may_win = [curve.estimator for curve in self.rivals if curve.last is not None and not curve.seldom]
+        if any(np.isinf(errors[name]) for name in may_win):
+            return {}
+        return {name: error for name, error in errors.items() if np.isfinite(error)}
 
     @cached_property
     def picks(self) -> list[Pick]:
