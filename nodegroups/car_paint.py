@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Car Paint"
-REVISION = 2
+REVISION = 3
 OWN = {"F0", "F82 Tint", "Slope m"}  # inputs that each lobe has for itself
 
 

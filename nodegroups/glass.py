@@ -95,7 +95,7 @@ def script(tree: Tree, estimator: str, inputs: Inputs, *, thin: bool) -> NodeSoc
         if estimator == "mirror":
             more["smooth"] = 0
     else:
-        estimator, more["smooth"] = "mirror", 1
+        estimator, more["smooth"], more["seed"] = "mirror", 1, 0.0  # it draws nothing
     node = osl_script.script(
         tree, f"glass_{estimator}", eta=inputs.eta, tint=inputs.tint, Normal=inputs.normal, thin=int(thin), **more
     )

@@ -44,7 +44,7 @@ from ._tree import (
 )
 from .random_numbers import random_numbers
 
-REVISION = 2
+REVISION = 3
 AREAS = ("RECTANGLE", "ELLIPSE")
 KINDS = ("SUN", "POINT", "SPOT", *AREAS)
 STREAM = 10  # of the first lamp; each further one has the next. mirror's facet has the first
@@ -136,7 +136,10 @@ def build(tree: Tree, kind: str, *, shadows: bool, sized: bool = False) -> None:
 def build_osl(tree: Tree, kind: str, *, shadows: bool, sized: bool = False) -> None:
     inputs = interface(tree, kind, sized=sized)
     drawn = sized or kind in AREAS
-    node = osl_script.script(tree, "lamp", kind=KINDS.index(kind), sized=int(drawn), shadows=int(shadows), **inputs)
+    more = {} if drawn else {"seed": 0.0}
+    node = osl_script.script(
+        tree, "lamp", kind=KINDS.index(kind), sized=int(drawn), shadows=int(shadows), **inputs, **more
+    )
     tree.output_vector("To Lamp", osl_script.output(tree, node, "ToLamp"), tip="Direction to the lamp")
     tree.output_color("Irradiance", osl_script.output(tree, node, "Irradiance"), tip="W/m^2 across the beam")
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._tree import Value
 
 NAME = "VGroove Oren-Nayar Mirror"
-REVISION = 2
+REVISION = 3
 STREAM = 2  # apart from Cook-Torrance's, whose draw may stand beside this one in a sum
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import bpy
 
-from . import cook_torrance_table, oren_nayar_table
+from . import cook_torrance_table, oren_nayar_table, random_numbers
 from ._tree import Number, Tree, Value
 
 if TYPE_CHECKING:
@@ -76,6 +76,7 @@ def text_block(shader: str, variant: Variant | None = None) -> Text:
 def script(tree: Tree, shader: str, variant: Variant | None = None, /, **parameters: Number) -> Node:
     """A Script node that runs ``shader``, or a variant as of ``text_block``, with its parameters connected.
 
+    ``seed``, of a shader that has it, is the scene's unless it is given.
     Raises OslError if the shader does not compile (this Blender was built without OSL).
     """
     node = tree.node("ShaderNodeScript", mode="INTERNAL", label=shader)
@@ -87,6 +88,8 @@ def script(tree: Tree, shader: str, variant: Variant | None = None, /, **paramet
         for text in set(bpy.data.texts) - known:
             bpy.data.texts.remove(text)
         raise
+    if "seed" not in parameters and any(item.identifier == "seed" for item in node.inputs):
+        tree.connect(random_numbers.seed(tree), socket(node, "seed"))
     for name, value in parameters.items():
         tree.connect(value, socket(node, name))
     return node

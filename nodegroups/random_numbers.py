@@ -4,24 +4,39 @@
 The pixel filter and every bounce move position and direction, which makes the hash new from sample to sample. Position
 is rounded in world space, to 2^-24 of the distance from the origin; Parametric is rounded within its triangle, so it
 still tells samples apart there, of things that move above all. It is (0, 0) where there is no triangle or curve.
+The scene's seed tells pictures apart where no ray does: Cycles sends a pixel's first sample through its middle whatever
+the seed, so that pictures of several seeds would share its noise.
 Each is hashed before it meets the next: a sum would lose the digits of the smaller.
 """
 
 from . import ensure
-from ._tree import Tree, Value
+from ._tree import Tree, Value, vector
 
 NAME = "VGroove Random"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree) -> None:
     w = tree.input_float("Stream", 0.0, low=0.0, high=100.0, tip="A number of its own for each independent draw")
-    with tree.frame("hash(P, hash(uv, hash(I, stream)))"):
-        for name in ("Incoming", "Parametric", "Position"):
-            noise = tree.node("ShaderNodeTexWhiteNoise", tree.geometry(name), noise_dimensions="4D")
+    with tree.frame("hash(P, hash(uv, hash(I, hash(seed, stream))))"):
+        for brought in (seed(tree), *map(tree.geometry, ("Incoming", "Parametric", "Position"))):
+            noise = tree.node("ShaderNodeTexWhiteNoise", brought, noise_dimensions="4D")
             tree.connect(w, noise.inputs["W"])
             w = Value(tree, noise.outputs["Value"])
     tree.output_vector("Random", Value(tree, noise.outputs["Color"]), tip="Three numbers in 0..1")
+
+
+def seed(tree: Tree) -> Value:
+    """The scene's, and its frame where Cycles counts that too (Animate Seed), as they are when it renders."""
+    number, animated, frame = (
+        _of_scene(tree, path) for path in ("cycles.seed", "cycles.use_animated_seed", "frame_current")
+    )
+    return vector(number, animated * frame, 0.0)
+
+
+def _of_scene(tree: Tree, path: str) -> Value:
+    node = tree.node("ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name=path)
+    return Value(tree, node.outputs["Fac"])
 
 
 def random_numbers(tree: Tree, stream: float | Value) -> tuple[Value, Value, Value]:

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from vgroove.addon import advice, check, gonio, headless, rays, scene
+from vgroove.addon.report import contenders
 from vgroove.addon.report import stability_pictures as pictures
+from vgroove.addon.report.scenes import stage
 from vgroove.addon.report.stability_pictures import Shot
 from vgroove.nodegroups import random_numbers
 from vgroove.nodegroups._tree import Value
@@ -89,6 +91,34 @@ def test_seeds_and_frames_of_a_far_picture_have_noise_of_their_own(instrument):
             shown.cycles.seed = seed
             images.append(gonio.rendered(shown)[..., 0].ravel())
     assert abs(np.corrcoef(*images)[0, 1]) < check.limit(1) / 32
+
+
+@pytest.mark.parametrize("backend", ["nodes", "osl"])
+@pytest.mark.parametrize("estimator", ["mirror", "direct"])
+def test_a_pixels_first_sample_has_numbers_of_its_own_by_every_seed(blender, estimator, backend):
+    """Cycles sends it through the pixel's middle, by whatever seed. A seed is the same picture each time, and in every
+    frame where it is not animated."""
+    drawn = []
+    with headless.quiet(), stage("softbox", 16) as shown:
+        made = contenders.ours(contenders.subjects()["rough"], (backend,), lamps=True)
+        rival = next(one for one in made if one.estimator == estimator)
+        shown.item.active_material = rival.make(shown.scene)
+        cycles = shown.scene.cycles
+        cycles.shading_system, cycles.samples = rival.osl, 1
+        for cycles.seed, cycles.use_animated_seed, frame in (
+            (1, False, 1),
+            (1, False, 2),
+            (2, False, 1),
+            (1, True, 1),
+            (1, True, 2),
+        ):
+            shown.scene.frame_set(frame)
+            drawn.append(gonio.rendered(shown.scene)[shown.seen])
+    hits = [image > 0.0 for image in drawn]  # what mirror's facets see of the lamp; its strength is what it is
+    one, later, two, *animated = hits if estimator == "mirror" else drawn
+    assert np.array_equal(one, later)
+    for a, b in ((one, two), (one, animated[0]), animated):
+        assert not np.array_equal(a, b)
 
 
 def white():

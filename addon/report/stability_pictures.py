@@ -36,7 +36,7 @@ SIZE, SAMPLES = 32, 64
 PIXEL = 1.0 / 256.0
 NUMBERS = 64  # rays across one pixel, whose random numbers are counted
 FIRST_SEED = 0  # as where ``check`` renders
-SEEDS = 8  # one-sample pictures of the numbers, of which 28 pairs a pixel
+SINGLES = 8  # pictures of one sample's numbers, of which 28 pairs a pixel
 SHARED = 16  # pictures at most, over all setups, that are judged by what their samples share
 SLOPE = 0.6
 COPIES, APART = 64, 16.0  # instances in a row, and how far apart in units of the scale
@@ -141,14 +141,13 @@ def _sharing(shot: Shot, _build: Callable[..., None]) -> Sharing:
     images = []
     with _shown(shot, SETUPS[0], _numbers_material) as shown:
         cycles = shown.cycles
-        cycles.samples, cycles.use_sample_subset = 2, True
-        cycles.sample_offset = cycles.sample_subset_length = 1  # the second, as the first is always in the middle
-        for seed in range(FIRST_SEED, FIRST_SEED + SEEDS):
-            cycles.seed = seed
+        cycles.samples, cycles.use_sample_subset, cycles.sample_subset_length = 1 + SINGLES, True, 1
+        for sample in range(1, 1 + SINGLES):  # not the first, which is always in the middle
+            cycles.sample_offset = sample
             with headless.quiet():
                 images.append(gonio.rendered(shown))
     drawn = np.stack(images)
-    first, second = np.triu_indices(SEEDS, 1)
+    first, second = np.triu_indices(SINGLES, 1)
     alike = int(np.sum(np.all(drawn[first] == drawn[second], axis=-1)))
     return Sharing(first.size * SIZE**2 / max(alike, 1), alike, rays.different(_counts(drawn)))
 

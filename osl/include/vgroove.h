@@ -103,23 +103,24 @@ void tangents(vector n, output vector T, output vector B)
     B = cross(n, T);
 }
 
-// Random numbers from position, place on the triangle and direction, of which every sample and bounce moves some; one
-// hash stream a number
-float random_number(float stream)
+// Random numbers from the scene's seed, position, place on the triangle and direction, of which every sample and bounce
+// moves some; one hash stream a number
+float random_number(float stream, vector seed)
 {
-    float w = noise("hash", point(1 - u - v, u, 0), noise("hash", I, stream));
+    float w = noise("hash", I, noise("hash", seed, stream));
+    w = noise("hash", point(1 - u - v, u, 0), w);
     return noise("hash", P, w);
 }
 
 // A facet by D(h) (n.h), swapped for its dual across the groove where the view rather sees that. Heitz & d'Eon 2014
-vector visible_facet(normal n0, vector wo, float m)
+vector visible_facet(normal n0, vector wo, float m, vector seed)
 {
     vector T, B;
     tangents(n0, T, B);
-    float slope = m * sqrt(-log(max(1 - random_number(1), 1e-7)));  // the hash may round to 1
-    float phi = M_2PI * random_number(2);
+    float slope = m * sqrt(-log(max(1 - random_number(1, seed), 1e-7)));  // the hash may round to 1
+    float phi = M_2PI * random_number(2, seed);
     vector lean = slope * (cos(phi) * T + sin(phi) * B);
     vector h = normalize(n0 + lean), dual = normalize(n0 - lean);
     float seen = max(0, dot(wo, h)), dual_seen = max(0, dot(wo, dual));
-    return random_number(3) * (seen + dual_seen) >= seen ? dual : h;
+    return random_number(3, seed) * (seen + dual_seen) >= seen ? dual : h;
 }
