@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
 LAMP_SIZE = 0.05  # metres: what "Give lamps a size" gives points and spots
 WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
+LIGHTEST = 1e-5  # weight of a closure, below which Cycles makes none
 FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light turns in glass that often and more
 FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
 
@@ -95,6 +96,9 @@ def _fresnel_problems(preset: Preset, backend: str, estimator: str) -> Iterator[
     if estimator == "hybrid" and weak:
         text = f"Hybrid's bound holds for reflectances head-on from {WEAKEST:g}, seen from the thinner side"
         yield Problem("bound", f"{text}; this material has {min(head_on):.2g}. Choose Mirror")
+    if preset.kind == "dielectric" and 0.0 < max(head_on) < LIGHTEST and estimator != "direct":
+        text = f"Cycles leaves out light below {LIGHTEST:g} of what came, and this material reflects {max(head_on):.2g}"
+        yield Problem("faint", f"{text} head-on; an IOR farther from 1 reflects more")
 
 
 def _bounce_problems(scene: Scene) -> Iterator[Problem]:

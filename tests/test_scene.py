@@ -244,6 +244,10 @@ def test_advice_on_the_preset_itself(stage):
         preset = presets.parse(TEXT.format(text), "a/b", "a")
         assert ("bound" in [p.key for p in advice.problems_with(stage, preset, "osl", "hybrid")]) == weak
         assert "bound" not in [p.key for p in advice.problems_with(stage, preset, "osl", "corrected")]
+    for eta, faint in ((1.0, False), (1.006, True), (1.007, False)):  # F head-on: ((eta - 1) / (eta + 1))^2
+        preset = presets.parse(TEXT.format(f"eta = {eta}"), "a/b", "a")
+        assert ("faint" in [p.key for p in advice.problems_with(stage, preset, "osl", "mirror")]) == faint
+        assert "faint" not in [p.key for p in advice.problems_with(stage, preset, "osl", "direct")]
 
 
 def test_bound_lamps_that_cast_no_shadow_are_said_for_every_estimator(stage):

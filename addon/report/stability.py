@@ -29,7 +29,7 @@ import bpy
 import numpy as np
 
 from .. import advice, check, check_glass, check_oren_nayar, gonio, headless
-from ..advice import FEWEST_BOUNCES, FEWEST_RAYS
+from ..advice import FEWEST_BOUNCES, FEWEST_RAYS, LIGHTEST
 from ..animation import DRIVINGS
 from ..check import SETUPS, Row, Setup
 from ..material import NATIVE, Choice, build, parameter_sockets
@@ -62,7 +62,6 @@ NEAREST = 90.0 - 2.0**-17  # degrees: what float32 holds of 90 - 1e-6
 ROUNDING = 2.0**-15.5  # of a sum of at most 2^17 samples in float32, as in ``check.View``
 DARKEST = 0.5  # of the formula's albedo, by estimators that only come near it; black is none of them
 STATED = 0.01  # of a lobe: what rounding may do without a word
-LIGHTEST = 1e-5  # weight of a closure, below which Cycles makes none
 FEW = 2  # of a line's values, in a quick report: its ends
 NOISY = 312  # cases that are judged by Z, for Sidak's correction; a test holds it to the table
 
@@ -131,8 +130,8 @@ def facets(change: Callable[[float], Preset], value: float, setup: Setup) -> See
     seen = weighed(check.measure(preset, setup, "mirror", SKY, SAMPLES), setup, *moments)
     if not 0.0 < np.max(moments[0]) < LIGHTEST:
         return seen
-    limit = f"Cycles leaves out closures that weigh less than {LIGHTEST:g}"
-    return replace(seen, limit=limit, more={"holds": bool(np.max(seen.image) <= LIGHTEST)})
+    warned = _warned(preset, setup, "mirror", "faint")
+    return replace(seen, limit=warned, more={"holds": bool(warned) and not seen.image.any()})
 
 
 def diffuse(kind: str, sigma: float, setup: Setup) -> Seen:
@@ -220,16 +219,18 @@ def grazing_light(estimator: str, m: float, theta: float, setup: Setup) -> Seen:
     more = {"error": worst.error, "bar": worst.bar, "holds": worst.error <= worst.bar}
     approximate = check.fresnel_approximation(setup, "dielectric") if estimator in {*NATIVE, "corrected"} else 0.0
     limits = [_warned(preset, setup, estimator, "fresnel") if approximate else ""]
-    limits += _rounded(worst.bar - approximate, float(np.min(images)))
+    limits += _rounded(max(view.bar for view in views) - approximate, float(np.min(images)))
     return Seen(np.stack(images), limit="; ".join(filter(None, limits)), more=more)
 
 
 def _rounded(bar: float, lowest: float) -> list[str]:
-    """What float32 leaves of light that comes near the horizon, where wi + wo nearly cancels."""
+    """What float32 leaves of light that comes near the horizon, where wi + wo nearly cancels; bar: the loosest."""
     said = []
     if bar > STATED:
-        held = f"to {100.0 * bar:.2g} % of the lobe" if bar < 1.0 else "nowhere by the formula"
-        said.append(f"so near the horizon float32 rounds the half vector: held {held}")
+        held = (
+            f"held to {100.0 * bar:.2g} % of the lobe" if bar < 1.0 else "around the mirror direction held to nothing"
+        )
+        said.append(f"so near the horizon float32 rounds the half vector: {held}")
     if lowest < 0.0:
         said.append("a difference of two large numbers rounds to below 0")
     return said
@@ -346,7 +347,7 @@ def inside_glass(most: int, setup: Setup) -> Seen:
     preset = find("glasses/bk7_crown_glass").with_parameters(m=0.0, absorption=0.0)
     image, warned = stability_pictures.heap(preset, "mirror", most, setup, balls=1)
     lost = float(1.0 - image.mean())
-    limit = (warned or cut(most)) if lost > SMOOTH_LOSS else ""
+    limit = f"{warned or cut(most)} ({100.0 * lost:.2g} % of all light)" if lost > SMOOTH_LOSS else ""
     holds = bool(warned) == (most < FEWEST_BOUNCES) and (most < ALL or not limit)
     return Seen(image, limit=limit, more={"lost": lost, "holds": holds})
 

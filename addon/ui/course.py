@@ -19,6 +19,11 @@ from .text import lines
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+CURVES = (
+    "F-curves on the inputs that change, to edit in the Graph Editor; "
+    f"no two keys are nearer than {animation.CLOSEST:g} frames, so that the steepest step takes as long"
+)
+
 
 def ours(context: bpy.types.Context) -> list[bpy.types.Material]:
     """The active materials of the selected objects that came from a preset and can be edited, each once."""
@@ -168,7 +173,7 @@ class VGrooveCourse(bpy.types.PropertyGroup):
         name="Driven by",
         description="What plays the course",
         items=(
-            ("curves", "Curves", "F-curves on the inputs that change, to edit in the Graph Editor", "FCURVE", 0),
+            ("curves", "Curves", CURVES, "FCURVE", 0),
             ("age", "Age", "One keyed Age: textures can drive each point's Rate and Offset", "TIME", 1),
         ),
         default="curves",
