@@ -5,8 +5,8 @@ Cycles rounds where a ray starts to float32 in world space, that is to 2^-24 of 
 direction to 2^-24. Orthographic rays all have one direction; far from the origin, or between samples that the pixel
 filter keeps close together, few of them differ. Samples that share a ray share their random numbers: of rays that come
 up with chances p, the sum of p^2 is that of a pair to do so, and M is 1 over it. To the variance v / N of N independent
-samples then comes (1 - 1/N) v / M, the same for every seed; samples that Cycles spreads evenly meet less often, but are
-never better than v / N or v / M. A lens that has an aperture gives each ray a direction of its own.
+samples then comes (1 - 1/N) v / M; samples that Cycles spreads evenly meet less often, but are never better than v / N
+or v / M. A lens that has an aperture gives each ray a direction of its own.
 
 Within its triangle what moves is met elsewhere at each moment (Parametric, in random_numbers.py): there more differ.
 """

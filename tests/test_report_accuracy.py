@@ -110,10 +110,10 @@ def test_a_computed_truth_looks_as_cycles_renders_it(tmp_path, monkeypatch, blen
     corrected = found["contenders"]["corrected, nodes"]["flip"]
     assert corrected[1] < corrected[0] < 0.05
     files = found["pictures"]["files"]
-    reference, mirror = (seen(tmp_path / files[label]) for label in ("reference", accuracy.MIRROR))
+    reference, closure = (seen(tmp_path / files[label]) for label in ("reference", accuracy.CLOSURE))
     judged = scenes.ball_pixels(accuracy.PICTURE_SIZE)
-    np.testing.assert_array_equal(reference[~judged], mirror[~judged])
-    assert not np.array_equal(reference[judged], mirror[judged])
+    np.testing.assert_array_equal(reference[~judged], closure[~judged])
+    assert not np.array_equal(reference[judged], closure[judged])
 
 
 def seen(path):

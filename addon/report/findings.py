@@ -413,6 +413,7 @@ class LeftOut:
     preset: str
     scene: str
     backend: str
+    estimator: str
     time: float
     spread: tuple[float, float]
     first: float
@@ -424,7 +425,7 @@ class LeftOut:
 
     @property
     def title(self) -> str:
-        return f"{self.case}, {self.scene}, {self.backend}"
+        return f"{self.case}, {self.scene}, {self.estimator}, {self.backend}"
 
     @property
     def all_same(self) -> bool:
@@ -604,7 +605,7 @@ def _left_out(name: str, cell: dict[str, Any], setup: dict[str, Any]) -> LeftOut
     memory, render = cell.get("memory"), setup["render"]
     measured = memory is not None and all(memory[key] == setup[key] for key in ("scene", "backend"))
     return LeftOut(
-        name, cell["preset"], setup["scene"], setup["backend"], render["ratio"],
+        name, cell["preset"], setup["scene"], setup["backend"], setup["estimator"], render["ratio"],
         (min(render["rounds"]), max(render["rounds"])), setup["first"]["ratio"], pair(setup["nodes"]),
         pair(setup["instructions"]),
         (memory["built"]["over"] / 2**20, memory["universal"]["over"] / 2**20) if memory and measured else None,

@@ -6,11 +6,11 @@ instructions, processor time and what pictures of the same seed differ by; then,
 put back and weighted with 0 by data: how many nodes that is, how the picture differs, and what it costs.
 
     {"preset": "lecture/copper", "seed": 0,
-     "setups": [{"scene": "lamps", "backend": "nodes", "estimator": "corrected",
+     "setups": [{"scene": "lamps", "backend": "nodes", "estimator": "corrected",  # what Automatic picks, or mirror
                  "nodes": {"built": 1877, "universal": 11992}, "instructions": {"built": 0, "universal": 0},
                  "first": {"built": 0.2, "universal": 3.1, "ratio": 15.5, "rounds": [...]},
                  "render": {"built": 0.6, "universal": 1.1, "ratio": 1.8, "rounds": [...]},
-                 "difference": 2e-6, "z": 0.4, "same": true,
+                 "difference": 2e-6, "off": 1e-9, "z": 0.4, "same": true,
                  "left_out": [{"what": "time", "why": "...", "nodes": 93, "difference": 0.0, "z": 0.0,
                                "same": true, "time": 1.02}, ...]}, ...],
      "memory": {"scene": "lamps", "backend": "nodes", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
@@ -62,15 +62,18 @@ CASES = {
 QUICK, QUICK_LINES = ("schlick", "plastic"), 3
 SCENES = ("environment", "softbox", "lamps")
 OSL_SCENE, OSL_CASES = "softbox", ("schlick", "plastic", "glass", "car_paint")  # the rest take long and differ little
+BY_MIRROR, MIRROR_SCENE = ("schlick", "glass"), "environment"  # which Automatic does not pick in these scenes
 SIZE, ROUNDS, SEED = 40, 3, 0
-SAMPLES = {"nodes": 64, "osl": 16}
+SAMPLES = {"nodes": 64, "osl": 32}
 LENGTH, FRAME = 240.0, 97  # of a course that is played, and where in it the picture is taken
 # Pictures of the same seed are made of the same random numbers. Weights go through some 100 more operations of 6e-8
 # each, 6e-6 in all, and near a threshold a share of that of about 4 choices a sample falls otherwise: of a pixel's N
 # samples 4 * 6e-6 N, each of which changes it by no more than one sample, BRIGHT means of the picture, over N. The root
-# mean square over the pixels is then BRIGHT sqrt(4 * 6e-6 / N): 6e-3 for 64 samples.
-FLIPS, BRIGHT = 4 * 6e-6, 10.0
-MOST_Z = 3.6  # two-sided, 1 % with a Sidak correction for the 36 channels or so that are compared so
+# mean square over the pixels is then BRIGHT sqrt(4 * 6e-6 / N): 6e-3 for 64 samples. They fall either way: the mean of
+# P pixels is off by no more than MOST_Z of that over the root of P, 7e-4 for 64 samples, and by what weights are.
+WEIGHTS = 6e-6
+FLIPS, BRIGHT = 4 * WEIGHTS, 10.0
+MOST_Z = 4.4  # two-sided, 1 % with a Sidak correction for three channels of some 200 pictures, on two Blenders
 PUT_BACK = {  # what ``explain`` calls it -> what ``universal`` puts back
     "Fresnel terms": "specular",
     "time": "time",
@@ -96,11 +99,15 @@ def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) 
     from .. import presets
 
     preset, backend = presets.find(identity), _backend()
-    setups = [(name, backend) for name in (("lamps",) if quick else SCENES)]
-    if backend == "nodes" and not quick and identity in {CASES[name] for name in OSL_CASES}:
-        setups.append((OSL_SCENE, "osl"))
     rounds = 1 if quick else ROUNDS
-    found = [setup(preset, name, by, rounds, most=QUICK_LINES if quick else None) for name, by in setups]
+    found = [
+        setup(preset, name, backend, rounds, most=QUICK_LINES if quick else None)
+        for name in (("lamps",) if quick else SCENES)
+    ]
+    if not quick and backend == "nodes" and identity in {CASES[name] for name in OSL_CASES}:
+        found.append(setup(preset, OSL_SCENE, "osl", rounds))
+    if not quick and identity in {CASES[name] for name in BY_MIRROR}:
+        found.append(setup(preset, MIRROR_SCENE, backend, rounds, estimator="mirror", most=0))
     memory: dict[str, Any] = {"scene": "lamps", "backend": backend}
     memory |= {which: _memory(identity, which) for which in ("built", "universal")}
     return {"preset": identity, "seed": SEED, "setups": found, "memory": memory}
@@ -155,7 +162,9 @@ def _lamp(shown: Scene, kind: str, **settings: float) -> None:
     shown.collection.objects.link(item)
 
 
-def setup(preset: Preset, name: str, backend: str, rounds: int, *, most: int | None = None) -> dict[str, Any]:
+def setup(
+    preset: Preset, name: str, backend: str, rounds: int, *, estimator: str = "auto", most: int | None = None
+) -> dict[str, Any]:
     """One scene and backend: both materials, and what was left out of the one, of which ``most`` are put back."""
     from .. import explain, headless
     from ..animation import Play
@@ -165,7 +174,7 @@ def setup(preset: Preset, name: str, backend: str, rounds: int, *, most: int | N
     with headless.quiet():
         shown = stage(name)
         shown.cycles.shading_system = backend == "osl"
-        account = explain.explain(preset, shown, backend)
+        account = explain.explain(preset, shown, backend, estimator)
         play = Play("age", 1.0, LENGTH) if preset.time else None
         choice = replace(account.choice, play=play)
         data = universal.data_of(preset, (FRAME - 1.0) / LENGTH, play)
@@ -279,14 +288,17 @@ def _compared(
 ) -> dict[str, Any]:  # fmt: skip
     """Root mean square of what two pictures differ by, as a share of the first one's, and whether that means nothing.
 
-    anew: they are of random numbers of their own, and "z" says by how many standard errors the means differ.
+    "off": the largest difference of the mean of a channel, as a share of the same. anew: the pictures are of random
+    numbers of their own, and "z" says by how many standard errors the means differ.
     """
-    d = a - b
-    difference = float(np.sqrt(np.mean(d**2) / np.mean(a**2)))
-    error = np.std(d, axis=(0, 1)) / (d.shape[0] * d.shape[1]) ** 0.5
-    z = float(np.max(np.abs(np.mean(d, axis=(0, 1))) / np.maximum(error, 1e-30)))
-    same = z < MOST_Z if anew else difference < BRIGHT * (FLIPS / samples) ** 0.5
-    return {"difference": difference, "z": z, "same": bool(same)}
+    d, scale, pixels = a - b, float(np.sqrt(np.mean(a**2))), a.shape[0] * a.shape[1]
+    difference = float(np.sqrt(np.mean(d**2))) / scale
+    means = np.abs(np.mean(d, axis=(0, 1)))
+    off = float(np.max(means)) / scale
+    z = float(np.max(means / np.maximum(np.std(d, axis=(0, 1)) / pixels**0.5, 1e-30)))
+    most = BRIGHT * (FLIPS / samples) ** 0.5
+    same = z < MOST_Z if anew else difference < most and off < MOST_Z * most / pixels**0.5 + WEIGHTS
+    return {"difference": difference, "off": off, "z": z, "same": bool(same)}
 
 
 def _draws_anew(preset: Preset, choice: Choice) -> bool:

@@ -271,7 +271,7 @@ def left_out(run: Run) -> Figure:
     ax.axvline(float(np.median([case.time for case in cases])), c="#666666", lw=1, ls="--", label="median")
     ax.set(
         yticks=y,
-        yticklabels=[f"{case.case}, {case.scene}" for case in cases],
+        yticklabels=[f"{case.case}, {case.scene}, {case.estimator}" for case in cases],
         xlabel="render time of the universal material / as built",
     )
     ax.set(xlim=(min(0.9, *(case.spread[0] for case in cases)), None), ylim=(-0.6, len(cases) - 0.4))

@@ -327,16 +327,17 @@ def copies(shot: Shot, setup: Setup) -> Seen:
 
 
 def bounces(estimator: str, most: int, setup: Setup) -> Seen:
-    """Nine balls that mirror all light, close together.
+    """Nine balls that mirror all light, close together: they go black by none but the bounces that are cut.
 
     A sample of ``mirror`` is worth at most 1; of ``hybrid`` only the mean is, within its bound, and 4 x 4 pixels are
     judged together: what these differ by for other reasons only adds to what noise may explain.
     """
     image, _ = stability_pictures.heap(white(0.3), estimator, most, setup)
+    more = {"share": float(image.mean()), "holds": bool(image.mean() >= DARKEST) or not most}
     if estimator == "mirror":
-        return Seen(image, limit=cut(most))
+        return Seen(image, limit=cut(most), more=more)
     blocks = image.reshape(8, 4, 8, 4, 3).swapaxes(1, 2).reshape(64, 16, 3)
-    return Seen(blocks, alike=True, limit=cut(most))
+    return Seen(blocks, alike=True, limit=cut(most), more=more)
 
 
 def inside_glass(most: int, setup: Setup) -> Seen:

@@ -132,7 +132,10 @@ class Sharing:
 
 
 def sharing(shot: Shot) -> Sharing:
-    """By pictures of the numbers, one sample each, as the pixel filter draws them."""
+    """By pictures of the numbers, one sample each, any of those that a picture has.
+
+    Neighbours in the sequence are spread more evenly than all are, and share less.
+    """
     return _sharing(shot, random_numbers.build)
 
 
@@ -141,9 +144,9 @@ def _sharing(shot: Shot, _build: Callable[..., None]) -> Sharing:
     images = []
     with _shown(shot, SETUPS[0], _numbers_material) as shown:
         cycles = shown.cycles
-        cycles.samples, cycles.use_sample_subset, cycles.sample_subset_length = 1 + SINGLES, True, 1
-        for sample in range(1, 1 + SINGLES):  # not the first, which is always in the middle
-            cycles.sample_offset = sample
+        cycles.use_sample_subset, cycles.sample_subset_length = True, 1
+        for sample in np.random.default_rng(FIRST_SEED).choice(np.arange(1, SAMPLES), SINGLES, replace=False):
+            cycles.sample_offset = int(sample)  # never the first, which is always in the middle
             with headless.quiet():
                 images.append(gonio.rendered(shown))
     drawn = np.stack(images)

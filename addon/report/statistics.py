@@ -40,8 +40,10 @@ def error(pictures: NDArray[np.floating], truths: NDArray[np.floating]) -> Error
     """Of S pictures (S, P, 3) against A truths (A, P, 3). A single truth is taken to be without noise.
 
     The standard error of bias^2, where v is the variance, in each pixel, of the mean difference (by S seeds and A
-    truths) and b that difference: var = (2 v^2 + 4 b^2 v) / P^2, summed over pixels. Channels see the same samples and
-    are taken to be wholly correlated. ValueError if there are fewer than two pictures.
+    truths) and b that difference: var = (2 v^2 + 4 b^2 v) / P^2, summed over pixels. Pairs of S normal pictures have
+    S / (S - 1) times the first term, and the square of an estimated v is (S + 1) / (S - 1) times its own: that makes up
+    for it. Channels see the same samples and are taken to be wholly correlated. ValueError if there are fewer than two
+    pictures.
     """
     seen, exact = np.asarray(pictures, np.float64), np.asarray(truths, np.float64)
     s, a = len(seen), len(exact)

@@ -111,7 +111,8 @@ LEFT_OUT = (
     "Blender: as built / universal."
 )
 LEFT_OUT_COLUMNS = (
-    "case", "preset", "scene", "run as", "time", "spread", "first", "nodes", "instructions", "MB", "picture",
+    "case", "preset", "scene", "estimator", "run as", "time", "spread", "first", "nodes", "instructions", "MB",
+    "picture",
 )  # fmt: skip
 DROPPED = (
     "What the builder leaves out: in how many cases, and how many nodes more and times as long in the median of those "
@@ -296,7 +297,7 @@ def left_out_rows(run: Run) -> list[list[str]]:
 
     return [
         [
-            case.case, case.preset, case.scene, case.backend, times(case.time),
+            case.case, case.preset, case.scene, case.estimator, case.backend, times(case.time),
             f"{case.spread[0]:.2f} to {case.spread[1]:.2f}", times(case.first), pair(case.nodes),
             pair(case.instructions), pair(case.memory_mb), SAME[case.same],
         ]
