@@ -228,7 +228,7 @@ def unseen(scene: Scene, model: str) -> bool:
 
 
 def _ray_problems(scene: Scene) -> Iterator[Problem]:
-    """Too few different rays to hash random numbers from: noise, the same for every seed, that no sample takes away."""
+    """Too few different rays to hash random numbers from: noise that no more samples take away, but other seeds do."""
     samples, found = scene.cycles.samples, rays.different_rays(scene)
     if found >= FEWEST_RAYS * min(samples, rays.MOST):
         return

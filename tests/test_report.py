@@ -447,13 +447,13 @@ def test_a_bias_that_few_hits_leave_unknown_is_not_claimed():
 def test_a_universal_material_that_is_quicker_or_differs_breaks_a_claim():
     found = claimed({"left_out/a": left_out(2.0), "left_out/b": left_out(0.99)})
     assert found["One universal material"][1] is False
-    assert found["One universal material"][0].endswith("but quicker in b, lamps, nodes: 0.99 ×")
+    assert found["One universal material"][0].endswith("but quicker in b, lamps, corrected, nodes: 0.99 ×")
     assert found["Pictures are the"] == (SAME_IN.format(2, 2, 2), True)
     whole, part = left_out(2.0, same=False), left_out(2.0)
     part["setups"][0]["left_out"][1]["same"] = False
     for cell in (whole, part):
         assert claimed({"left_out/a": cell})["Pictures are the"] == (
-            SAME_IN.format(0, 1, 1) + "; the pictures differ in a, lamps, nodes",
+            SAME_IN.format(0, 1, 1) + "; the pictures differ in a, lamps, corrected, nodes",
             False,
         )
 
@@ -543,6 +543,7 @@ def test_what_was_left_out_is_told_case_by_case_and_thing_by_thing():
         "metal",
         "lecture/copper",
         "lamps",
+        "corrected",
         "nodes",
         "2.00 ×",
         "1.90 to 2.10",
@@ -573,10 +574,10 @@ def test_what_was_not_put_back_is_told_but_not_measured():
         ["body", "1 of 2", "", "", ""],
     ]
     assert summary.dropped_each_rows(found) == [
-        ["a, lamps, nodes", "time", "it is static", "93", "1.02 ×", "the same"],
-        ["a, lamps, nodes", "transmission", "it is static", "93", "1.50 ×", "the same"],
-        ["c, lamps, nodes", "time", "not now", "", "", ""],
-        ["c, lamps, nodes", "body", "it is hollow", "", "", ""],
+        ["a, lamps, corrected, nodes", "time", "it is static", "93", "1.02 ×", "the same"],
+        ["a, lamps, corrected, nodes", "transmission", "it is static", "93", "1.50 ×", "the same"],
+        ["c, lamps, corrected, nodes", "time", "not now", "", "", ""],
+        ["c, lamps, corrected, nodes", "body", "it is hollow", "", "", ""],
     ]
     assert claimed(cells)["Pictures are the"] == (SAME_IN.format(3, 3, 1), True)
 
@@ -852,7 +853,7 @@ def test_what_is_gone_is_worse_and_what_is_new_is_neither():
         ("softbox, copper", "corrected, nodes", "measured"): True,
         ("slope", "m 1e-06", "measured"): True,
         ("far", "", "measured"): True,
-        ("left out", "glass, lamps, nodes", "measured"): True,
+        ("left out", "glass, lamps, corrected, nodes", "measured"): True,
         ("half-degree sun, copper", "", "measured"): None,
     }
     before, after = report(), report()
@@ -890,8 +891,8 @@ def test_cases_and_savings_are_compared():
     assert changed(change) == {
         ("slope", "m 1", "case"): True,
         ("far", "metres 100000", "case"): False,
-        ("left out", "metal, lamps, nodes", "saving"): True,
-        ("left out", "glass, lamps, nodes", "picture"): True,
+        ("left out", "metal, lamps, corrected, nodes", "saving"): True,
+        ("left out", "glass, lamps, corrected, nodes", "picture"): True,
     }
 
 
@@ -906,8 +907,8 @@ def test_the_size_of_a_material_is_compared():
         glass["memory"]["built"]["over"] = 50 * 2**20
 
     assert changed(change) == {
-        ("left out", "metal, lamps, nodes", "nodes"): True,
-        ("left out", "plaster, lamps, nodes", "MB of memory"): False,
+        ("left out", "metal, lamps, corrected, nodes", "nodes"): True,
+        ("left out", "plaster, lamps, corrected, nodes", "MB of memory"): False,
     }
 
 

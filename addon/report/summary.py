@@ -85,13 +85,13 @@ WINS = (
 )
 TOO_SHORT = "Where all renders are too short to be judged by their times, who errs least at equal samples:"
 CURVES = (
-    "Slope: of log noise over log samples, from 64 to 4096. Bias: at the largest sample count; < an upper bound, where "
-    "it cannot be told from 0. Times: of the processor, and in brackets by the clock. FLIP: at the largest sample "
-    "count, of the pixels that are judged. Not resolved: rare events make most of the noise, and no seed has met them; "
-    "such sample counts are left out. Direct leaves out all but lamps, which counts as its bias. Automatic goes by "
-    "rounded numbers of reports like this one; no scene but these has tested it. Not raced: glass in a furnace, which "
-    "sends back all light; what scatters below its surface under a lamp, which no formula at lamps has; pairs that "
-    "tell nothing that the others do not."
+    "From 4 to 4096 samples, by powers of 4. Slope: of log noise over log samples, from 64 on. Bias: at the largest "
+    "sample count; < an upper bound, where it cannot be told from 0. Times: of the processor, and in brackets by the "
+    "clock. FLIP: at the largest sample count, of the pixels that are judged. Not resolved: rare events make most of "
+    "the noise, and no seed has met them; such sample counts are left out. Direct leaves out all but lamps, which "
+    "counts as its bias. Automatic goes by rounded numbers of reports like this one; no scene but these has tested it. "
+    "Not raced: glass in a furnace, which sends back all light; what scatters below its surface under a lamp, which no "
+    "formula at lamps has; pairs that tell nothing that the others do not."
 )
 CURVE_COLUMNS = ("contender", "slope", "bias", *(f"to {100 * target:g} %" for target in TARGETS), "FLIP", "remarks")
 CASES = (
@@ -108,7 +108,8 @@ LEFT_OUT = (
     "The universal material (one for each estimator and backend, which are no inputs), which shows presets by its "
     "inputs alone (all but absorption, which it leaves to the one as built), against each as it is built. Time and "
     "first (a render that compiles): universal over as built. Nodes, instructions of OSL, MB that it takes beside "
-    "Blender: as built / universal."
+    "Blender: as built / universal. By the estimator that Automatic picks, and twice by mirror. Picture: by the same "
+    "seed; of rough glass by mirror, which draws other facets behind its first, by its mean."
 )
 LEFT_OUT_COLUMNS = (
     "case", "preset", "scene", "estimator", "run as", "time", "spread", "first", "nodes", "instructions", "MB",
@@ -117,12 +118,13 @@ LEFT_OUT_COLUMNS = (
 DROPPED = (
     "What the builder leaves out: in how many cases, and how many nodes more and times as long in the median of those "
     "where it was put back (the closure beside it, which EEVEE shows, is built and was taken away). These times are of "
-    "one round each: what differs little from 1 is chance."
+    "one round each: what differs little from 1 is chance. To save time nothing is put back under the softbox, nor by "
+    "mirror."
 )
 DROPPED_COLUMNS = ("what", "left out", "nodes", "time", "picture")
 DROPPED_EACH = "Case by case, and why."
 DROPPED_EACH_COLUMNS = ("case", "what", "why", "nodes", "time", "picture")
-EVEN, HASHED = ("closure", "fit", "corrected"), ("hybrid", "mirror")  # whose random numbers are Cycles', or ours
+EVEN, HASHED, BOTH = ("closure", "fit", "corrected"), "mirror", "hybrid"  # of random numbers of Cycles', ours, and both
 SAME = {True: "the same", False: "DIFFERS", None: ""}
 
 
@@ -160,22 +162,31 @@ def _winners(run: Run) -> str:
 
 
 def _bends(run: Run) -> str:
-    """Why curves are no straight lines of slope -1/2; of slopes that are known well enough to say it."""
+    """Why curves are no straight lines of slope -1/2; of slopes that are known well enough to say it.
+
+    Nothing where Cycles' even samples do no better than independent ones: then the cause is another.
+    """
     known = [
         (curve.estimator, curve.slope.value)
         for contest, curve in run.curves
         if curve.competes and curve.slope and curve.slope.known_to(claims.SLOPE_BAR) and not contest.smooth
     ]
-    even, random = ([slope for name, slope in known if name in names] for names in (EVEN, HASHED))
-    if not even or not random:
+    even, hashed, both = ([slope for name, slope in known if name in names] for names in (EVEN, (HASHED,), (BOTH,)))
+    if not even or not hashed or median(even) >= median(hashed):
         return ""
+
+    def fall(slopes: list[float]) -> str:
+        return f"{number(median(slopes))} in the median ({number(min(slopes))} to {number(max(slopes))})"
+
+    said = (
+        f"Noise of {', '.join(EVEN)} falls as samples to the power of {fall(even)}, as Cycles spreads a pixel's "
+        f"samples evenly; that of {HASHED} as {fall(hashed)}, as its facets are independent, by a hash"
+    )
+    if both:
+        said += f"; that of {BOTH}, which is a part of each, as {fall(both)}"
     return (
-        f"Noise of {', '.join(EVEN)} falls as samples to the power of {number(median(even))} in the median "
-        f"({number(min(even))} to {number(max(even))}), as Cycles spreads a pixel's samples evenly; that of "
-        f"{' and '.join(HASHED)} as {number(median(random))} ({number(min(random))} to {number(max(random))}), as "
-        "their facets are independent, by a hash. Errors stop falling where bias is left, which plots mark, and jump "
-        "where a light is met for the first time. What is drawn by the hash of a place is the same by every seed in a "
-        "pixel's first sample, which Cycles sends through its middle: a share of 1/N of the noise looks like bias."
+        f"{said}. Errors stop falling where bias is left, which plots mark, and jump where a light is met for the "
+        "first time."
     )
 
 
