@@ -321,7 +321,7 @@ def test_claims_are_those_of_the_numbers():
     assert [line.startswith("DOES NOT HOLD: ") for line in lines] == [
         *5 * [False],
         True,
-        *3 * [False],
+        *2 * [False],
     ]
     wrong = claimed({"accuracy/a/b": accuracy() | {"auto": ["mirror"] * len(COUNTS)}})["Automatic is within"]
     assert wrong[0].startswith("at 1 of 11 sample counts")  # nobody has had so little time
@@ -357,13 +357,27 @@ def test_seeds_of_mirror_that_only_its_slope_needs_are_said_and_counted():
 
 
 def test_a_slope_that_is_not_known_claims_nothing():
+    """But where most are not, the claim does not hold."""
     noise = np.array(COUNTS) ** -0.2 * np.exp(0.5 * np.random.default_rng(1).standard_normal(len(COUNTS)))
     vague = with_mirror("checker", noise=noise)
     assert claimed({"accuracy/a/b": vague})["The noise of"] == ("in no scene is it known so well", False)
-    found, holds = claimed({"accuracy/a/b": vague, "accuracy/c/d": accuracy()})["The noise of"]
+    cells = {"accuracy/a/b": vague, "accuracy/c/d": accuracy()}
+    assert not claimed(cells)["The noise of"][1]
+    found, holds = claimed(cells | {"accuracy/e/f": accuracy("furnace")})["The noise of"]
     assert holds
-    assert "the median of 1 scenes" in found
+    assert "the median of 2 scenes" in found
     assert found.endswith("not known so well in checkered floor, copper")
+
+
+def test_even_samples_are_told_as_a_cause_only_where_they_help():
+    """And hybrid, whose random numbers are of both kinds, is in neither."""
+    cell = accuracy()
+    assert not any(line.startswith("Noise of") for line in summary.headlines(only({"accuracy/a/b": cell})))
+    for name in summary.EVEN:
+        cell["contenders"][f"{name}, nodes"]["noise"] = (np.array(COUNTS) ** -0.7).tolist()
+    line = next(one for one in summary.headlines(only({"accuracy/a/b": cell})) if one.startswith("Noise of"))
+    assert "to the power of −0.70 in the median (−0.70 to −0.70), as Cycles spreads" in line
+    assert "that of mirror as −0.50 in the median" in line
 
 
 def test_where_rays_seldom_hit_the_lamp_neither_a_slope_nor_missing_light_is_told():
