@@ -139,7 +139,12 @@ class Curve:
     @property
     def told_at(self) -> NDArray[np.bool_]:
         """Whether the bias can be told from 0, by sample count."""
-        return self.resolved & (self.bias2 > TOLD * self.bias2_error)
+        return self.bias_z > TOLD
+
+    @property
+    def bias_z(self) -> NDArray[np.float64]:
+        """The square of the bias in its standard errors, by sample count; 0 where nothing is resolved."""
+        return np.where(self.resolved, self.bias2 / _positive(self.bias2_error), 0.0)
 
     @property
     def told(self) -> bool:
