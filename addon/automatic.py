@@ -37,9 +37,9 @@ FACETS: dict[str, dict[str, tuple[float, ...]]] = {  # bias of Cook-Torrance at 
     "picture": {"closure": (0.0003, 0.0085, 0.028, 0.06), "fit": (0.0003, 0.0055, 0.014, 0.015)},
     "lamps": {"closure": (0.0001, 0.0015, 0.043, 0.13), "fit": (0.0002, 0.0021, 0.029, 0.029)},
 }
-# In an even light that of dielectrics is this many times as large, and so is noise: F rises toward grazing angles,
-# where closure is off and fit holds the albedo.
-DIELECTRIC, DIELECTRIC_NOISE = {"closure": 2.0, "fit": 0.25}, 1.8
+# In an even light that of dielectrics is this many times as large, and so is noise, mirror's less than the others': F
+# rises toward grazing angles, where closure is off and fit holds the albedo.
+DIELECTRIC, DIELECTRIC_NOISE, DIELECTRIC_MIRROR = {"closure": 2.0, "fit": 0.25}, 1.8, 1.3
 DIFFUSE: dict[str, dict[str, tuple[float, ...]]] = {  # of Oren-Nayar at SIGMAS
     "even": {"closure": (0.003, 0.028, 0.1, 0.2), "fit": (0.0001, 0.0004, 0.001, 0.002)},
     "picture": {"closure": (0.006, 0.05, 0.12, 0.22), "fit": (0.001, 0.0047, 0.008, 0.01)},
@@ -205,9 +205,10 @@ def _expected(
     times = {name: 1.0 + (of[name] - 1.0) * (1.0 if facets else DIFFUSE_TIMES) if name != "closure" else 1.0
              for name in bias}  # fmt: skip
 
-    louder = DIELECTRIC_NOISE if light.kind == "even" and any(map(_is_dielectric, facets)) else 1.0
+    dielectric = light.kind == "even" and any(map(_is_dielectric, facets))
 
     def error(name: str, samples: float) -> float:
+        louder = 1.0 if not dielectric else DIELECTRIC_MIRROR if name == "mirror" else DIELECTRIC_NOISE
         noise = 0.0 if name == "mirror" else louder * light.noise(m, samples)
         return float(np.linalg.norm([bias[name], noise, louder * RANDOM_NOISE.get(name, 0.0) * samples**-0.5]))
 
