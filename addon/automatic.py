@@ -37,8 +37,8 @@ FACETS: dict[str, dict[str, tuple[float, ...]]] = {  # bias of Cook-Torrance at 
     "picture": {"closure": (0.0003, 0.0085, 0.028, 0.06), "fit": (0.0003, 0.0055, 0.014, 0.015)},
     "lamps": {"closure": (0.0001, 0.0015, 0.043, 0.13), "fit": (0.0002, 0.0021, 0.029, 0.029)},
 }
-# In an even light that of dielectrics is this many times as large, and so is noise, mirror's less than the others': F
-# rises toward grazing angles, where closure is off and fit holds the albedo.
+# In an even light that of dielectrics is this many times as large, and so is noise: F rises toward grazing angles,
+# where closure is off and fit holds the albedo. Of mirror noise and time are both as many times copper's.
 DIELECTRIC, DIELECTRIC_NOISE, DIELECTRIC_MIRROR = {"closure": 2.0, "fit": 0.25}, 1.8, 1.3
 DIFFUSE: dict[str, dict[str, tuple[float, ...]]] = {  # of Oren-Nayar at SIGMAS
     "even": {"closure": (0.003, 0.028, 0.1, 0.2), "fit": (0.0001, 0.0004, 0.001, 0.002)},
@@ -206,6 +206,8 @@ def _expected(
              for name in bias}  # fmt: skip
 
     dielectric = light.kind == "even" and any(map(_is_dielectric, facets))
+    if dielectric and "mirror" in times:
+        times["mirror"] *= DIELECTRIC_MIRROR
 
     def error(name: str, samples: float) -> float:
         louder = 1.0 if not dielectric else DIELECTRIC_MIRROR if name == "mirror" else DIELECTRIC_NOISE
