@@ -327,7 +327,7 @@ def test_claims_are_those_of_the_numbers():
     assert wrong[0].startswith("at 1 of 11 sample counts")  # nobody has had so little time
     assert not wrong[1]
     assert lines[-1] == (
-        "A sample takes 1.30 × as long as OSL as it does as nodes, in the median of 4 estimators in softbox, copper, "
+        "A sample takes 1.30 × as long as OSL as it does as nodes, in the median of 4 estimators in softbox, copper: "
         "the only ones timed as both."
     )
 

@@ -198,7 +198,7 @@ def _backends(run: Run) -> str:
     ratios = [ratio for of in timed.values() for ratio in of.values()]
     return (
         f"A sample takes {times(median(ratios))} as long as OSL as it does as nodes, in the median of {len(ratios)} "
-        f"estimators in {' and '.join(timed)}, the only ones timed as both."
+        f"estimators in {'; '.join(timed)}: the only ones timed as both."
     )
 
 
