@@ -39,7 +39,7 @@ SUN_SAMPLES = {"corrected": 512, "hybrid": 2048}
 MIRRORED = 0.2  # of hybrid at that slope, at least
 # Broad lobes whose normal leans from the surface's send back more in Blender 4.5 than their formula and than 5.2: of
 # ``fit`` at m = 1 up to 0.21 % a view (16384 samples each). Slopes to 0.3 do not.
-LEANING = 0.0021 if bpy.app.version < (5, 0, 0) else 0.0
+LEANING, NARROW = 0.0021 if bpy.app.version < (5, 0, 0) else 0.0, 0.3
 NOISY_ROWS = 13  # rows of the plan that are judged by Z-tests; a test holds it to the plan
 
 
@@ -50,7 +50,8 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     coarse, fine = furnace_excess(F, m)
     wo = furnace_directions()
     expected = albedo(preset.reference(), wo) + fine
-    leaning = 0.5 * LEANING * hybrid_share(wo, m, DEFAULT_BOUND)[:, None] * expected  # of up to that: half, and as much
+    most = LEANING if m > NARROW else 0.0
+    leaning = 0.5 * most * hybrid_share(wo, m, DEFAULT_BOUND)[:, None] * expected  # of up to that: half, and as much
     # Two grids apart by as much say how well the reference is known.
     view = furnace_view(preset, setup, "hybrid", expected + leaning, doubt=np.hypot(fine - coarse, leaning))
     return Row("hybrid, furnace", setup, fresnel, m, [view])
