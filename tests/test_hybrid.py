@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from vgroove.addon import check, check_hybrid, gonio, headless, material
+from vgroove.addon import check, check_hybrid, check_seeds, gonio, headless, material
 from vgroove.nodegroups import cook_torrance_mirror, osl_script, random_numbers, smith_lobe
 from vgroove.nodegroups._tree import Value
 
@@ -26,6 +26,25 @@ def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(in
         assert not row.scaled(1.01).passed
         assert not row.scaled(1 / 1.01).passed
         assert not row.is_noisy or row.resolves <= check.surely_seen(0.01)
+
+
+@pytest.mark.parametrize("m", [0.3, 0.6, 1.0])
+def test_lobes_of_fit_send_what_their_formula_says_and_lean_as_is_allowed_for(instrument, m):
+    """In the mean over views, to the noise of 4096 samples and what two grids of the formula differ by."""
+    coarse, fine = (
+        np.array([check_hybrid.sent_by_lobes(wo, m, nodes) for wo in check_seeds.furnace_directions()])
+        for nodes in (100, 160)
+    )
+    white = check.materials()["white"].with_parameters(m=m)
+    images = [
+        check.measure(white, check.SETUPS[2], "fit", check_seeds.furnace(), 1024, seed)[..., 0] for seed in range(4)
+    ]
+    pixels = np.asarray(images, np.float64) / fine[:, None]
+    noise = np.sqrt(np.mean(np.var(pixels, axis=(0, 2), ddof=1)) / pixels.size)
+    bar = check.limit(3) * noise + np.mean(np.abs(fine / coarse - 1.0))
+    leaning = check_hybrid.LEANING * m
+    assert abs(pixels.mean() - 1.0 - leaning) <= bar + 0.2 * leaning
+    assert bar < 1e-3 * m  # so that what 4.5 has would be seen
 
 
 def test_the_limit_for_noisy_rows_counts_them_all():
