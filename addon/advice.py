@@ -20,6 +20,7 @@ from .material import (
     RANDOM,
     Choice,
     binds,
+    bound_slots,
     build,
     course_of,
     lamps_to_bind,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
     from bpy.types import Material, Object, Scene
 
+    from .lamps import Light
     from .presets import Preset
 
 SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
@@ -138,8 +140,8 @@ def _stale_problems(scene: Scene) -> Iterator[Problem]:
     for made in sorted(used, key=lambda one: one.name):
         origin = origin_of(made)
         missing = [
-            item.name for item in lamps_to_bind(scene, origin.estimator, origin.preset.model)
-            if item not in lamps.bound(made)
+            light.name for light in lamps_to_bind(scene, origin.estimator, origin.preset.model)
+            if str(light.slot) not in bound_slots(made)
         ]  # fmt: skip
         if missing:
             text = f"{made.name} was made before {', '.join(missing)} had to be bound, and misses that light"
@@ -184,7 +186,7 @@ def _mirror_problems(  # noqa: C901 - one condition a problem
 ) -> Iterator[Problem]:
     cycles, world, name = scene.cycles, scene.world, estimator.title()
     part = "" if estimator == "mirror" else " but Fit's share"
-    bound = lamps_to_bind(scene, estimator, model)
+    bound = {light.item for light in lamps_to_bind(scene, estimator, model)}
     sought = [item for item in lamps.of_scene(scene) if item not in bound]
     pointlike = [item for item in sought if lamps.size(item) == 0.0]
     if pointlike:
@@ -272,14 +274,14 @@ def _bound_problems(scene: Scene, backend: str, estimator: str) -> Iterator[Prob
     yield from _shadow_problems(backend, estimator, followed)
 
 
-def _shadow_problems(backend: str, estimator: str, bound: Sequence[Object]) -> Iterator[Problem]:
+def _shadow_problems(backend: str, estimator: str, bound: Sequence[Light | Object]) -> Iterator[Problem]:
     if bound and backend == "nodes" and not lamp.can_cast_shadows():
         what = {"direct": "Bound lamps", "corrected": "What Corrected adds of lamps"}
         text = f"{what.get(estimator, 'Lamps of zero size')} shine through things with nodes in this Blender"
         yield Problem("shadows", f"{text}, which has no Raycast node; choose OSL: {_names(bound)}")
 
 
-def _names(items: Sequence[Object]) -> str:
+def _names(items: Sequence[Light | Object]) -> str:
     return ", ".join(item.name for item in items)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..nodegroups.osl_script import text_block
 from .images import pixels
-from .material import Choice, binds, build
+from .material import Choice, build, lamps_to_bind
 from .reference.hybrid import DEFAULT_BOUND
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def measure(
     With a sun angle: the cosine-weighted mean of f over the disc; with ``furnace``: the directional albedo E(wo).
     shading_osl: run shaders as OSL (script nodes need it) or as SVM. Needs a Blender with OSL for the camera.
     """
-    return _measure(lambda _lamps: material, geometry, samples, seed, shading_osl)
+    return _measure(lambda _scene: material, geometry, samples, seed, shading_osl)
 
 
 def measure_preset(
@@ -103,9 +103,9 @@ def measure_preset(
     bound: of ``hybrid``, see ``Choice``.
     """
 
-    def make(lamps: tuple[Object, ...]) -> Material:
+    def make(scene: Scene) -> Material:
         # No shadows: tracing under an OSL camera crashes Blender 5.2.3, and nothing stands in the light.
-        suns = lamps if binds(estimator, geometry.sun_angle, preset.model) else ()
+        suns = lamps_to_bind(scene, estimator, preset.model)
         return build(preset, Choice(backend, estimator, suns, shadows=False, bound=bound))
 
     return _measure(make, geometry, samples, seed, shading_osl)
@@ -121,8 +121,8 @@ def measure_course(
     """
     with stage(geometry.resolution, samples=samples, seed=0, shading_osl=shading_osl) as scene:
         scene.render.use_persistent_data = True
-        suns = light(scene, geometry)
-        bound = suns if binds(estimator, geometry.sun_angle, preset.model) else ()
+        light(scene, geometry)
+        bound = lamps_to_bind(scene, estimator, preset.model)
         _patch(scene, build(preset, Choice(backend, estimator, bound, shadows=False, play=play)))
         _camera(scene, geometry)
         images, shown = [], bpy.context.scene
@@ -137,7 +137,7 @@ def measure_course(
 
 
 def _measure(
-    make: Callable[[tuple[Object, ...]], Material],
+    make: Callable[[Scene], Material],
     geometry: Geometry,
     samples: int,
     seed: int,
@@ -149,15 +149,16 @@ def _measure(
 
 @contextmanager
 def instrument(
-    make: Callable[[tuple[Object, ...]], Material], geometry: Geometry, *,
+    make: Callable[[Scene], Material], geometry: Geometry, *,
     samples: int = 1, seed: int = 0, shading_osl: bool = False,
 ) -> Iterator[Scene]:  # fmt: skip
     """The scene that ``measure`` renders, for who renders it more than once; its one mesh is the patch.
 
-    make: the patch's material, given the lamps.
+    make: the patch's material, given the lit scene.
     """
     with stage(geometry.resolution, samples=samples, seed=seed, shading_osl=shading_osl) as scene:
-        _patch(scene, make(light(scene, geometry)), inside=geometry.inside)
+        light(scene, geometry)
+        _patch(scene, make(scene), inside=geometry.inside)
         _camera(scene, geometry)
         yield scene
 
@@ -281,7 +282,7 @@ def measure_sphere(
         geometry = Geometry(theta_i)
         (lamp,) = light(scene, geometry)
         lamp.data.energy = 1.0
-        bound = (lamp,) if binds(estimator, 0.0, preset.model) else ()
+        bound = lamps_to_bind(scene, estimator, preset.model)
         _sphere(scene, build(preset, Choice(backend, estimator, bound, shadows=False)))
         camera = bpy.data.cameras.new("VGroove gonio")
         camera.type, camera.ortho_scale = "ORTHO", 2.0

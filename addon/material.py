@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from bpy.types import FCurve, Material, Node, NodeSocket, Object, Scene, ShaderNodeTree
 
     from ..nodegroups._tree import Tree
+    from .lamps import Light
 
 BACKENDS = ("nodes", "osl")
 ESTIMATORS = ("fit", "closure", "corrected", "hybrid", "mirror", "direct")
@@ -96,10 +97,12 @@ def binds(estimator: str, lamp_size: float, model: str = "cook_torrance") -> boo
     return estimator in EVERY_LAMP or (estimator not in NATIVE and lamp_size == 0.0)
 
 
-def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") -> tuple[Object, ...]:
-    """The strongest lamps that the material evaluates itself, as ``binds`` says for their size."""
-    followed = [item for item in lamp_binding.of_scene(scene) if lamp_binding.refusal(item) is None]
-    return tuple(item for item in followed if binds(estimator, lamp_binding.size(item), model))[: lamp_binding.LIMIT]
+def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") -> tuple[Light, ...]:
+    """The strongest lights that the material evaluates itself, as ``binds`` says for their size."""
+    if estimator in NATIVE or model in TRANSPARENT:
+        return ()
+    lights = lamp_binding.followed(scene)
+    return tuple(one for one in lights if binds(estimator, lamp_binding.size(one.item), model))[: lamp_binding.LIMIT]
 
 
 class MaterialError(ValueError):
@@ -118,7 +121,7 @@ class Choice:
 
     backend: str = "nodes"
     estimator: str = "fit"
-    lamps: tuple[Object, ...] = ()
+    lamps: tuple[Light, ...] = ()
     shadows: bool = True
     bound: float = DEFAULT_BOUND
     play: Play | None = None
@@ -142,6 +145,9 @@ class Choice:
         for one in self.lamps:
             if refused := lamp_binding.refusal(one):
                 raise MaterialError(refused)
+            if one.slot is None:
+                message = f"{one.name} has no place in the scene's rig; take lamps from lamps_to_bind"
+                raise MaterialError(message)
 
 
 def build(preset: Preset, choice: Choice, into: Material | None = None) -> Material:
@@ -157,6 +163,8 @@ def build(preset: Preset, choice: Choice, into: Material | None = None) -> Mater
         message = f"{preset.id} does not change over time; leave play out"
         raise MaterialError(message)
     key, course = _key(preset, choice), _course_key(preset, choice.play)
+    for scene in {one.scene for one in choice.lamps}:
+        lamp_binding.follow(scene)
     for material in bpy.data.materials if into is None else ():
         if (material.get(KEY), material.get(TIME)) != (key, course) or material.library is not None:
             continue
@@ -267,10 +275,7 @@ def apply(material: Material, objects: Sequence[Object]) -> int:
 
 
 def _key(preset: Preset, choice: Choice) -> str:
-    bound = [
-        [one.name, lamp_binding.kind(one), lamp_binding.size(one) > 0, choice.shadows and one.data.use_shadow]
-        for one in choice.lamps
-    ]
+    bound = [[str(one.slot), choice.shadows] for one in choice.lamps]
     of_preset = [preset.id, preset.model, preset.kind, preset.coupled, preset.parameters]
     more = [choice.bound] if choice.estimator == "hybrid" else []
     return json.dumps([*of_preset, choice.backend, choice.estimator, bound, *more])
@@ -302,6 +307,11 @@ def parameter_sockets(material: Material) -> dict[str, NodeSocket]:
     }
     found = {name: inputs[socket_name(name)] for name in parameters if socket_name(name) in inputs}
     return {name: socket for name, socket in found.items() if base_name(name) != "m" or parameters[name] != 0.0}
+
+
+def bound_slots(material: Material) -> set[str]:
+    """The lights of a scene's rig that a material that ``build`` made reads."""
+    return {slot for slot, _ in json.loads(material[KEY])[7]}
 
 
 def origin_of(material: Material) -> Origin:
@@ -496,14 +506,15 @@ def _form(preset: Preset) -> tuple[str, dict[str, Any]]:
     return labels[preset.kind], {"kind": preset.kind}
 
 
-def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Object, choice: Choice) -> None:
-    traced = choice.shadows and one.data.use_shadow and (choice.backend == "osl" or lamp.can_cast_shadows())
-    variant: dict[str, Any] = {"kind": lamp_binding.kind(one), "shadows": traced, "sized": lamp_binding.size(one) > 0}
-    make = lamp.build if choice.backend == "nodes" else lamp.build_osl
-    group = nodegroups.ensure(lamp.name(**variant) + _suffix(choice), lamp.REVISION, partial(make, **variant))
-    source = _group_node(tree, group, f"Lamp {index}: {one.name}")
-    source.location = (-300, -540 * (index - 1))
-    lamp_binding.bind(source, one, index - 1, only_pointlike=choice.estimator in RANDOM)
+def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Light, choice: Choice) -> None:
+    slot, osl = one.slot, choice.backend == "osl"
+    shadows = choice.shadows and slot.shadows and (osl or lamp.can_cast_shadows())
+    make = partial(lamp.build_slot, slot=slot, shadows=shadows, osl=osl)
+    name = f"VGroove Light {slot}" + ", no shadows" * (slot.shadows and not shadows) + _suffix(choice)
+    source = _group_node(tree, nodegroups.ensure(name, lamp.REVISION, make), f"Lamp {index}: {slot}")
+    source.location = (-300, -160 * (index - 1))
+    if "Stream" in source.inputs:
+        source.inputs["Stream"].default_value = lamp.STREAM + index - 1
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
 

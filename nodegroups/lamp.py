@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lamp sends to the shaded point; the inputs are driven by the lamp.
+"""What a light sends to the shaded point, by the numbers that the scene tells of it.
 
 Cycles' units: a sun's strength is its irradiance in W/m^2 across the beam; a point or spot of power P in W gives
 P / (4 pi d^2) at distance d, as if it shone evenly in all directions (the spot's cone does not concentrate it).
@@ -19,11 +19,13 @@ so that the mean over samples is what the whole lamp sends; what is left of the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import pi
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from . import osl_script
+from . import ensure, osl_script
 from ._tree import (
     Tree,
     Value,
@@ -44,10 +46,61 @@ from ._tree import (
 )
 from .random_numbers import random_numbers
 
-REVISION = 3
+if TYPE_CHECKING:
+    from bpy.types import Node
+
+REVISION = 4
 AREAS = ("RECTANGLE", "ELLIPSE")
 KINDS = ("SUN", "POINT", "SPOT", *AREAS)
 STREAM = 10  # of the first lamp; each further one has the next. mirror's facet has the first
+RIG = "vgroove_lights"  # custom property of a scene that tells of its lights (addon/lamps.py)
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Where a scene's rig has a light: the ``number``-th of its kind, from 1.
+
+    sized: an angle or a radius above 0, as area lights always have. shadows: whether the light casts any.
+    """
+
+    kind: str
+    sized: bool
+    shadows: bool
+    number: int
+
+    def __str__(self) -> str:
+        """Such as "SUN sized 1", "SPOT unshadowed 2"."""
+        return " ".join([self.kind, *["sized"] * self.sized, *["unshadowed"] * (not self.shadows), str(self.number)])
+
+    def entry(self, array: str) -> str:
+        """The name of one of its arrays in the rig."""
+        return f"{self} {array}"
+
+    def arrays(self) -> dict[str, int]:
+        """The arrays that the rig has of it, with their lengths.
+
+        color: linear RGB and strength (W/m^2 or W). axis: its own z axis. place: metres. across, up: an area light's
+        edges, metres. shape: as ``_SHAPES`` has it.
+        """
+        found = {"color": 4}
+        if self.kind != "POINT":
+            found["axis"] = 3
+        if self.kind != "SUN":
+            found["place"] = 3
+        if self.kind in AREAS:
+            found |= {"across": 3, "up": 3}
+        if (self.kind, self.sized) in _SHAPES:
+            found["shape"] = 4
+        return found
+
+
+_SHAPES = {  # the inputs of a lamp group that the numbers of ``shape`` are for
+    ("SUN", True): ("Angle",),
+    ("POINT", True): ("Radius", "Soft Falloff"),
+    ("SPOT", False): ("Size", "Blend"),
+    ("SPOT", True): ("Size", "Blend", "Radius", "Soft Falloff"),
+    **{(area, True): ("Grid", "Gain") for area in AREAS},
+}
 
 
 def name(kind: str, *, shadows: bool, sized: bool = False) -> str:
@@ -142,6 +195,34 @@ def build_osl(tree: Tree, kind: str, *, shadows: bool, sized: bool = False) -> N
     )
     tree.output_vector("To Lamp", osl_script.output(tree, node, "ToLamp"), tip="Direction to the lamp")
     tree.output_color("Irradiance", osl_script.output(tree, node, "Irradiance"), tip="W/m^2 across the beam")
+
+
+def build_slot(tree: Tree, slot: Slot, *, shadows: bool, osl: bool) -> None:
+    """A light of the scene that is rendered, as its rig tells of it; nothing where the rig has no such light."""
+    variant: dict[str, Any] = {"kind": slot.kind, "shadows": shadows, "sized": slot.sized}
+    make = build_osl if osl else build
+    group = ensure(name(**variant) + " (OSL)" * osl, REVISION, partial(make, **variant))
+    tip = "Random numbers of its own for each light"
+    drawn = {"Stream": tree.input_float("Stream", STREAM, low=0.0, high=40.0, tip=tip)} if slot.sized else {}
+    with tree.frame("What the scene tells of the light"):
+        node = tree.group(group, **drawn)
+        read = {array: _attribute(tree, slot.entry(array)) for array in slot.arrays()}
+        links = {"Color": read["color"].outputs["Color"], "Strength": read["color"].outputs["Alpha"]}
+        sockets = {"axis": "Axis", "place": "Position", "across": "Across", "up": "Up"}
+        links |= {socket: read[array].outputs["Vector"] for array, socket in sockets.items() if array in read}
+        if "shape" in read:
+            apart = tree.node("ShaderNodeSeparateXYZ")
+            tree.node_tree.links.new(read["shape"].outputs["Vector"], apart.inputs[0])
+            numbers = (*apart.outputs, read["shape"].outputs["Alpha"])
+            links |= dict(zip(_SHAPES[slot.kind, slot.sized], numbers, strict=False))
+        for socket, source in links.items():
+            tree.node_tree.links.new(source, node.inputs[socket])
+    tree.output_vector("To Lamp", Value(tree, node.outputs["To Lamp"]), tip="Direction to the light")
+    tree.output_color("Irradiance", Value(tree, node.outputs["Irradiance"]), tip="W/m^2 across the beam")
+
+
+def _attribute(tree: Tree, entry: str) -> Node:
+    return tree.node("ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name=f'["{RIG}"]["{entry}"]')
 
 
 def _point(tree: Tree, inputs: dict[str, Value], kind: str) -> Beam:

@@ -40,11 +40,10 @@ def irradiance_material(empty_material, item, backend, *, shadows):
     """Emission of the lamp group's irradiance times the cosine."""
     made = empty_material("Irradiance")
     tree = made.node_tree
-    build = lamp_group.build if backend == "nodes" else lamp_group.build_osl
-    variant = {"kind": lamps.kind(item), "shadows": shadows, "sized": lamps.size(item) > 0}
+    (light,) = lamps.follow(item.users_scene[0])
+    build = partial(lamp_group.build_slot, slot=light.slot, shadows=shadows, osl=backend == "osl")
     node = tree.nodes.new("ShaderNodeGroup")
-    node.node_tree = nodegroups.ensure(lamp_group.name(**variant) + backend, 1, partial(build, **variant))
-    lamps.bind(node, item)
+    node.node_tree = nodegroups.ensure(f"{light.slot} {shadows} {backend}", 1, build)
     geometry, cosine, positive, emission, output = (
         tree.nodes.new(f"ShaderNode{name}")
         for name in ("NewGeometry", "VectorMath", "Math", "Emission", "OutputMaterial")
@@ -371,18 +370,21 @@ def test_direct_under_a_disc_of_sun_is_the_mean_of_the_formula(setup):
 
 def test_a_lamp_of_no_size_draws_nothing_at_random(blender):
     """What a lamp does not need is left out: no noise, no tangents, no socket for a size."""
+    stage = blender.context.scene
     for kind in KINDS:
         item = make_lamp(blender, kind)
-        blender.context.scene.collection.objects.link(item)
-        made = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", (item,)))
+        stage.collection.objects.link(item)
+        made = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct")))
         node = next(node for node in made.node_tree.nodes if node.label.startswith("Lamp 1"))
         assert not {"Stream", "Radius", "Angle", "Soft Falloff"} & set(node.inputs.keys())
-        assert not any(inner.label.startswith("VGroove Random") for inner in node.node_tree.nodes)
+        (light,) = (inner for inner in node.node_tree.nodes if inner.bl_idname == "ShaderNodeGroup")
+        assert not any(inner.label.startswith("VGroove Random") for inner in light.node_tree.nodes)
         setattr(item.data, "angle" if kind == "SUN" else "shadow_soft_size", 0.2)
-        sized = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", (item,)))
+        sized = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct")))
         assert sized is not made
         node = next(node for node in sized.node_tree.nodes if node.label.startswith("Lamp 1"))
         assert "Stream" in node.inputs
+        blender.data.objects.remove(item)
 
 
 @pytest.mark.parametrize("setup", BACKENDS, ids=str)
@@ -451,9 +453,11 @@ def ball_under(bpy, kinds, setup, chosen=None, seed=0, *, estimator="direct", m=
             stage.collection.objects.link(item)
             items.append(item)
         stage.view_layers[0].update()
-        bound = tuple(items[index] for index in (range(len(items)) if chosen is None else chosen))
+        for index, item in enumerate(items):
+            item.hide_render = chosen is not None and index not in chosen
+        bound = lamps_to_bind(stage, estimator)
         preset = check.materials()["schlick"].with_parameters(m=m)
-        choice = material.Choice(setup.backend, estimator, bound if material.binds(estimator, 1.0) else ())
+        choice = material.Choice(setup.backend, estimator, bound)
         gonio._sphere(stage, material.build(preset, choice))
         camera = bpy.data.cameras.new("Camera")
         camera.type, camera.ortho_scale = "ORTHO", 2.0
@@ -470,30 +474,30 @@ def bound(blender):
     stage = blender.context.scene
     sun = make_lamp(blender, "SUN", 'The "sun"')
     stage.collection.objects.link(sun)
-    made = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", (sun,)))
-    ball = add_mesh(blender, stage, "Ball", 1.0, 0.0, made)
+    made = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct")))
+    add_mesh(blender, stage, "Ball", 1.0, 0.0, made)
+    return blender, stage, sun, made, partial(told, blender)
 
-    def strength():
-        blender.context.view_layer.update()
-        graph = blender.context.evaluated_depsgraph_get()
-        graph.update()
-        tree = ball.evaluated_get(graph).data.materials[0].node_tree
-        node = next(node for node in tree.nodes if node.label.startswith("Lamp 1"))
-        return node.inputs["Strength"].default_value, tuple(Vector(node.inputs["Axis"].default_value).normalized())
 
-    return blender, stage, sun, made, strength
+def told(bpy, entry="SUN 1"):
+    """Strength and direction of a light as the scene's rig has them in a render."""
+    bpy.context.view_layer.update()
+    graph = bpy.context.evaluated_depsgraph_get()
+    graph.update()
+    rig = graph.scene_eval[lamps.RIG]
+    return rig[f"{entry} color"][3], tuple(Vector(rig[f"{entry} axis"]))
 
 
 def test_a_bound_lamp_is_followed(bound):
     """Strength, exposure and direction follow; the drivers need no Python, so they run in any session."""
-    _, _, sun, made, strength = bound
+    _, stage, sun, made, strength = bound
     assert strength()[0] == pytest.approx(7.0 * 2**1.5, rel=1e-6)
     sun.data.energy, sun.data.exposure, sun.rotation_euler = 2.0, -1.0, (0.0, pi / 2, 0.0)
     level, axis = strength()
     assert level == pytest.approx(1.0, rel=1e-6)
     assert axis == pytest.approx((1.0, 0.0, 0.0), abs=1e-6)
-    drivers = made.node_tree.animation_data.drivers
-    assert all(curve.driver.is_simple_expression for curve in drivers)
+    assert all(curve.driver.is_simple_expression for curve in stage.animation_data.drivers)
+    assert made.node_tree.animation_data is None
 
 
 def test_a_hidden_lamp_gives_no_light_and_comes_back(bound):
@@ -523,23 +527,24 @@ def test_an_unlinked_or_deleted_lamp_gives_no_light(bound):
     assert strength()[0] == 0.0
 
 
-def test_an_appended_ghost_lamp_gives_no_light(bound, tmp_path):
-    """A material appended into another file brings its lamp along in no scene; it must not shine."""
-    blender, _, sun, made, strength = bound
-    assert strength()[0] > 0.0
-    path, name, lamp_name = str(tmp_path / "from.blend"), made.name, sun.name
+def test_an_appended_material_brings_no_light_along_and_meets_those_of_its_new_scene(bound, tmp_path):
+    """It holds no reference to any; in a scene without a rig its lights give nothing, with one its own do."""
+    blender, _, _, made, _ = bound
+    path, name = str(tmp_path / "from.blend"), made.name
     with headless.quiet():
         blender.ops.wm.save_as_mainfile(filepath=path)
         blender.ops.wm.read_factory_settings(use_empty=True)
     with blender.data.libraries.load(path) as (_source, wanted):
         wanted.materials = [name]
-    appended = wanted.materials[0]
-    ball = add_mesh(blender, blender.context.scene, "Ball", 1.0, 0.0, appended)
-    assert lamp_name in blender.data.objects  # the ghost
-    graph = blender.context.evaluated_depsgraph_get()
-    graph.update()
-    node = next(n for n in ball.evaluated_get(graph).data.materials[0].node_tree.nodes if n.label.startswith("Lamp 1"))
-    assert node.inputs["Strength"].default_value == 0.0
+    stage = blender.context.scene
+    add_mesh(blender, stage, "Ball", 1.0, 0.0, wanted.materials[0])
+    assert not blender.data.lights
+    assert not [item for item in blender.data.objects if item.type == "LIGHT"]
+    sun = make_lamp(blender, "SUN", "Another sun")
+    stage.collection.objects.link(sun)
+    sun.data.energy = 0.5
+    lamps.follow(stage)
+    assert told(blender)[0] == pytest.approx(0.5 * 2**1.5, rel=1e-6)
 
 
 def test_what_cannot_be_followed_is_refused_in_one_line(blender):
@@ -569,7 +574,7 @@ def test_what_cannot_be_followed_is_refused_in_one_line(blender):
         assert f'"{item.name}"' in refused
         assert "\n" not in refused
         with pytest.raises(material.MaterialError, match=word):
-            material.Choice("nodes", "direct", (item,))
+            material.Choice("nodes", "direct", (lamps.Light(item, stage),))
     assert lamps_to_bind(stage, "direct") == ()
 
 
@@ -582,11 +587,11 @@ def test_at_most_eight_lamps_are_bound_the_strongest_first(blender):
         item.data.energy = 1.0 + index
         stage.collection.objects.link(item)
     taken = lamps_to_bind(stage, "direct")
-    assert [item.name for item in taken] == [f"Sun {index}" for index in range(9, 1, -1)]
+    assert [light.name for light in taken] == [f"Sun {index}" for index in range(9, 1, -1)]
     (said,) = (p for p in advice.problems(stage, "nodes", "direct") if p.key == "limit")
     assert "Sun 1, Sun 0" in said.text
     with pytest.raises(material.MaterialError, match="at most 8"):
-        material.Choice("nodes", "direct", tuple(stage.objects)[:9])
+        material.Choice("nodes", "direct", (*taken, taken[0]))
 
 
 def test_the_strongest_lamp_is_the_one_that_gives_most_to_the_middle_of_the_objects(blender):
@@ -628,10 +633,11 @@ def test_four_lamps_add_up(blender, setup):
                 item.location = (0.7, -0.4, 2.5)
                 stage.collection.objects.link(item)
                 items.append(item)
+            for index, item in enumerate(items):
+                item.hide_render = index not in chosen
             preset = check.materials()["conductor"]
-            made = material.build(
-                preset, material.Choice(setup.backend, "direct", tuple(items[i] for i in chosen), shadows=False)
-            )
+            bound = lamps_to_bind(stage, "direct")
+            made = material.build(preset, material.Choice(setup.backend, "direct", bound, shadows=False))
             gonio._sphere(stage, made)
             camera = blender.data.cameras.new("Camera")
             camera.type, camera.ortho_scale = "ORTHO", 2.0

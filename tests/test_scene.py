@@ -181,7 +181,7 @@ def test_a_lamp_added_after_a_material_is_said_and_bound_anew(stage, estimator):
     assert "Late" in problem.text
     problem.mend()
     assert stale() == []
-    assert lamp in lamps.bound(ball.active_material)
+    assert material.bound_slots(ball.active_material) == {"POINT 1"}
     origin = material.origin_of(ball.active_material)
     assert origin.preset.m == pytest.approx(0.4)
     assert origin.bound == pytest.approx(0.01 if estimator == "hybrid" else DEFAULT_BOUND)

@@ -53,7 +53,7 @@ def stage(name: str, size: int) -> Iterator[Stage]:
     if name == "furnace":
         bpy.ops.wm.read_factory_settings(use_empty=True)
         geometry = gonio.Geometry(furnace=True, resolution=(size, size))
-        with gonio.instrument(lambda _lamps: bpy.data.materials.new("None"), geometry) as shown:
+        with gonio.instrument(lambda _scene: bpy.data.materials.new("None"), geometry) as shown:
             shown.render.use_persistent_data = True
             patch = next(item for item in shown.objects if item.type == "MESH")
             yield Stage(shown, patch, np.ones((size, size), np.bool_))
