@@ -14,6 +14,7 @@ nothing until the rig is written anew: estimators that see it by themselves then
 from __future__ import annotations
 
 import json
+from collections import Counter
 from dataclasses import dataclass, replace
 from math import pi, sin
 from typing import TYPE_CHECKING, Any
@@ -38,14 +39,20 @@ class Light:
     """A light that lights a scene.
 
     item: the light's object. scene: whose render it lights. source: the collection instance that brings it, None for
-    an object of the scene itself or of its background sets (``in_set``). slot: where the rig has it, once it has.
+    an object of the scene itself or of its background sets (``in_set``). number: among those of its kind in the rig,
+    from 1; 0 while it has no place there.
     """
 
     item: Object
     scene: Scene
     source: Object | None = None
     in_set: bool = False
-    slot: Slot | None = None
+    number: int = 0
+
+    @property
+    def slot(self) -> Slot:
+        """Where the rig has it, by what the light is now."""
+        return Slot(kind(self.item), size(self.item) > 0.0, self.item.data.use_shadow, self.number)
 
     @property
     def name(self) -> str:
@@ -234,12 +241,11 @@ def followed(scene: Scene) -> list[Light]:
     """
     fit = [light for light in all_lights(scene) if refusal(light) is None]
     wanted = {*fit[:LIMIT], *[light for light in fit if size(light.item) == 0.0][:LIMIT]}
-    counts: dict[tuple[Any, ...], int] = {}
+    counts: Counter[Slot] = Counter()
     numbered = []
     for light in (light for light in fit if light in wanted):
-        variant = kind(light.item), size(light.item) > 0.0, light.item.data.use_shadow
-        counts[variant] = counts.get(variant, 0) + 1
-        numbered.append(replace(light, slot=Slot(*variant, counts[variant])))
+        counts[light.slot] += 1
+        numbered.append(replace(light, number=counts[light.slot]))
     return numbered
 
 
@@ -274,14 +280,12 @@ def _plan(light: Light) -> list[Any]:
 
 def _entries(light: Light) -> list[tuple[str, int]]:
     """The arrays of a light in the rig, by name, with their lengths."""
-    assert light.slot is not None
     return [(light.slot.entry(name), width) for name, width in light.slot.arrays().items()]
 
 
 def _describe(light: Light) -> None:
     """Drive the light's entries in the rig of its scene."""
     slot = light.slot
-    assert slot is not None
     for channel in range(3):
         paths = {"c": f"data.color[{channel}]", "t": "data.use_temperature", "k": f"data.temperature_color[{channel}]"}
         _drive(light, "color", channel, "c * (1 - t + t * k)", paths)
@@ -297,12 +301,11 @@ def _describe(light: Light) -> None:
 def _drive_strength(light: Light) -> None:
     """W/m^2 or W with exposure; 0 where the light is not what the slot says, or not in the view layer."""
     slot, data = light.slot, light.item.data
-    assert slot is not None
     surface, paths = _SURFACES[slot.kind]
     code = data.bl_rna.properties["type"].enum_items[data.type].value
     gates = {
-        "hide_render": "{} == 0", "visible_diffuse": "{} == 1", "visible_glossy": "{} == 1", "data.type": f"{{}} == {code}",
-        "data.use_shadow": f"{{}} == {int(slot.shadows)}",
+        "hide_render": "{} == 0", "visible_diffuse": "{} == 1", "visible_glossy": "{} == 1",
+        "data.type": f"{{}} == {code}", "data.use_shadow": f"{{}} == {int(slot.shadows)}",
     }  # fmt: skip
     if slot.kind in AREAS:
         gates |= {"data.shape": "{} < 2" if slot.kind == "RECTANGLE" else "{} > 2", "data.size": "{} > 0"}
@@ -380,7 +383,6 @@ _SHAPES = {  # (kind, sized) -> of each number of ``shape``, the driver's expres
 
 
 def _drive(light: Light, array: str, index: int, expression: str, paths: dict[str, str]) -> Any:
-    assert light.slot is not None
     driver = light.scene.driver_add(f'["{RIG}"]["{light.slot.entry(array)}"]', index).driver
     driver.type = "SCRIPTED"
     for name, path in paths.items():

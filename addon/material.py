@@ -145,7 +145,7 @@ class Choice:
         for one in self.lamps:
             if refused := lamp_binding.refusal(one):
                 raise MaterialError(refused)
-            if one.slot is None:
+            if not one.number:
                 message = f"{one.name} has no place in the scene's rig; take lamps from lamps_to_bind"
                 raise MaterialError(message)
 

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from .files import replacing
+from .follow import refresh
 
 if TYPE_CHECKING:
     from bpy.types import Scene
@@ -214,6 +215,7 @@ def still(
     settings.color_mode = "RGB"
     settings.color_depth = "32" if settings.file_format == "OPEN_EXR" else "8"
     render.use_stamp_note, render.stamp_note_text = bool(note), note
+    refresh(scene)
     with replacing(path) as temporary:
         render.filepath = str(temporary)
         bpy.ops.render.render(write_still=True, scene=scene.name)

@@ -131,7 +131,8 @@ def test_each_lobe_shows_its_inputs_in_a_panel_of_its_own(blender):
     """One normal and one set of lamps for all; the numbers are those of the preset, and are read back."""
     lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "SUN"))
     blender.context.scene.collection.objects.link(lamp)
-    made = material.build(preset(), material.Choice("nodes", "direct", (lamp,)))
+    bound = material.lamps_to_bind(blender.context.scene, "direct")
+    made = material.build(preset(), material.Choice("nodes", "direct", bound))
     node = next(node for node in made.node_tree.nodes if node.type == "GROUP" and car_paint.NAME in node.node_tree.name)
     lobe = ("Specular", "F0", "F82 Tint", "Slope m")
     names = {"Base Color", "Sigma", "Normal", "To Lamp 1", "Irradiance 1"}

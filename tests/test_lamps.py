@@ -7,10 +7,9 @@ from math import pi
 
 import numpy as np
 import pytest
-from mathutils import Vector
 
 from vgroove import nodegroups
-from vgroove.addon import advice, check, gonio, headless, lamps, material
+from vgroove.addon import advice, check, follow, gonio, headless, lamps, material
 from vgroove.addon.material import lamps_to_bind
 from vgroove.nodegroups import lamp as lamp_group
 from vgroove.nodegroups import osl_script, random_numbers
@@ -37,10 +36,13 @@ def make_lamp(bpy, kind, name="Lamp"):
 
 
 def irradiance_material(empty_material, item, backend, *, shadows):
-    """Emission of the lamp group's irradiance times the cosine."""
+    """Emission of the irradiance that the stage's one light sends, times the cosine."""
+    import bpy
+
     made = empty_material("Irradiance")
     tree = made.node_tree
-    (light,) = lamps.follow(item.users_scene[0])
+    (stage,) = (scene for scene in bpy.data.scenes if scene.name.startswith("VGroove gonio"))
+    (light,) = lamps.follow(stage)
     build = partial(lamp_group.build_slot, slot=light.slot, shadows=shadows, osl=backend == "osl")
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = nodegroups.ensure(f"{light.slot} {shadows} {backend}", 1, build)
@@ -82,16 +84,42 @@ def add_mesh(bpy, stage, name, half, height, made=None):
     return item
 
 
+def as_object(stage, item):
+    """The light is an object of the scene."""
+    stage.collection.objects.link(item)
+
+
+def as_instance(stage, item):
+    """The light comes by a collection instance that is moved, turned and not at the collection's own middle."""
+    import bpy
+
+    rig, holder = bpy.data.collections.new("Rig"), bpy.data.objects.new("Holder", None)
+    rig.objects.link(item)
+    rig.instance_offset = (0.2, 0.1, -0.3)
+    holder.instance_type, holder.instance_collection = "COLLECTION", rig
+    holder.location, holder.rotation_euler = (0.3, -0.2, 0.2), (0.2, -0.1, 0.8)
+    stage.collection.objects.link(holder)
+
+
+def in_set(stage, item):
+    """The light is in the scene's background set."""
+    import bpy
+
+    stage.background_set = bpy.data.scenes.new("Set")
+    stage.background_set.collection.objects.link(item)
+
+
 def floor_image(
-    bpy, make_material, kind, *, shading_osl, occluder=False, settings=None, samples=1, seed=0, size=64, eye_near=False
-):
+    bpy, make_material, kind, *, shading_osl, occluder=False, settings=None, samples=1, seed=0, size=64, eye_near=False,
+    bring=as_object,
+):  # fmt: skip
     """Radiance of a floor 4 m wide, seen from above, lit by one lamp, without bounces."""
     with headless.quiet(), gonio.stage((size, size), samples=samples, seed=seed, shading_osl=shading_osl) as stage:
         stage.cycles.max_bounces = 0
         gonio.light(stage, gonio.Geometry())
         bpy.data.objects.remove(stage.objects[0])
         item = make_lamp(bpy, kind)
-        stage.collection.objects.link(item)
+        bring(stage, item)
         if settings is not None:
             stage.cycles.filter_width = 1.0  # moves P, from which random numbers come, over the whole pixel
             settings(item)
@@ -150,6 +178,22 @@ def test_a_lamp_group_casts_the_shadow_of_cycles_own_lamp(blender, empty_materia
         return
     assert (cycles.max(-1) == 0).sum() > 50
     np.testing.assert_allclose(ours, cycles, atol=5e-6 * cycles.max())
+
+
+@pytest.mark.parametrize(("kind", "bring"), [(kind, as_instance) for kind in (*KINDS, "AREA")] + [("SPOT", in_set)])
+def test_a_light_that_an_instance_or_a_set_brings_sends_what_cycles_own_sends(blender, empty_material, kind, bring):
+    """Moved and turned by the instance, less the collection's offset."""
+    more = {"shading_osl": False, "bring": bring, "samples": 512 if kind == "AREA" else 1, "size": 16}
+    cycles = pi * floor_image(blender, lambda _: white_diffuse(empty_material), kind, **more)
+    ours = floor_image(
+        blender, lambda item: irradiance_material(empty_material, item, "nodes", shadows=False), kind, **more
+    )
+    for scene in [one for one in blender.data.scenes if one.name.startswith("Set")]:
+        blender.data.scenes.remove(scene)
+    assert cycles.max() > 0.1
+    # A point as above, and two products of matrices more; an area light of 512 samples: 16 of them over each of the
+    # lamp's 5 % wide cells, across which the irradiance changes by a tenth at the most.
+    np.testing.assert_allclose(ours, cycles, atol=(0.02 if kind == "AREA" else 1e-5) * cycles.max())
 
 
 # Lamps with a size
@@ -374,13 +418,17 @@ def test_a_lamp_of_no_size_draws_nothing_at_random(blender):
     for kind in KINDS:
         item = make_lamp(blender, kind)
         stage.collection.objects.link(item)
-        made = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct")))
+        made = material.build(
+            check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
+        )
         node = next(node for node in made.node_tree.nodes if node.label.startswith("Lamp 1"))
         assert not {"Stream", "Radius", "Angle", "Soft Falloff"} & set(node.inputs.keys())
         (light,) = (inner for inner in node.node_tree.nodes if inner.bl_idname == "ShaderNodeGroup")
         assert not any(inner.label.startswith("VGroove Random") for inner in light.node_tree.nodes)
         setattr(item.data, "angle" if kind == "SUN" else "shadow_soft_size", 0.2)
-        sized = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct")))
+        sized = material.build(
+            check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
+        )
         assert sized is not made
         node = next(node for node in sized.node_tree.nodes if node.label.startswith("Lamp 1"))
         assert "Stream" in node.inputs
@@ -474,7 +522,9 @@ def bound(blender):
     stage = blender.context.scene
     sun = make_lamp(blender, "SUN", 'The "sun"')
     stage.collection.objects.link(sun)
-    made = material.build(check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct")))
+    made = material.build(
+        check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
+    )
     add_mesh(blender, stage, "Ball", 1.0, 0.0, made)
     return blender, stage, sun, made, partial(told, blender)
 
@@ -485,7 +535,7 @@ def told(bpy, entry="SUN 1"):
     graph = bpy.context.evaluated_depsgraph_get()
     graph.update()
     rig = graph.scene_eval[lamps.RIG]
-    return rig[f"{entry} color"][3], tuple(Vector(rig[f"{entry} axis"]))
+    return rig[f"{entry} color"][3], tuple(rig.get(f"{entry} axis", ()))
 
 
 def test_a_bound_lamp_is_followed(bound):
@@ -525,6 +575,108 @@ def test_an_unlinked_or_deleted_lamp_gives_no_light(bound):
     assert strength()[0] > 0.0
     blender.data.objects.remove(sun)
     assert strength()[0] == 0.0
+
+
+def renamed(_bpy, _stage, sun):
+    sun.name = "Key light"
+
+
+def swapped(bpy, stage, sun):
+    """Another light takes its name, as where two are swapped."""
+    name, sun.name = sun.name, "Key light"
+    other = make_lamp(bpy, "SUN", name)
+    other.data.energy = 0.0
+    stage.collection.objects.link(other)
+
+
+def retyped(_bpy, _stage, sun):
+    sun.data.type = "POINT"
+
+
+def sized(_bpy, _stage, sun):
+    sun.data.angle = 0.1
+
+
+def unshadowed(_bpy, _stage, sun):
+    sun.data.use_shadow = False
+
+
+def hidden_from_glossy(_bpy, _stage, sun):
+    sun.visible_glossy = False
+
+
+CHANGES = {
+    renamed: "SUN 1", swapped: "SUN 1", retyped: "POINT 1", sized: "SUN sized 1", unshadowed: "SUN unshadowed 1",
+    hidden_from_glossy: None,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda of: of.__name__)
+def test_a_light_that_is_no_longer_what_it_was_gives_nothing_until_it_is_followed_again(bound, change):
+    """Never what it is not: a sun's drivers on a point would be 114 times too bright. Nothing is written twice."""
+    blender, stage, sun, _, strength = bound
+    level, _ = strength()
+    change(blender, stage, sun)
+    if change is not swapped:  # a light of its name is there, and the numbers are its own as before
+        assert strength()[0] == 0.0
+    again = lamps.follow(stage)
+    mine = next((light for light in again if light.item == sun), None)
+    assert (mine and str(mine.slot)) == CHANGES[change]
+    if mine is None:
+        return
+    assert strength(CHANGES[change])[0] == pytest.approx(level, rel=1e-6)
+    curves = list(stage.animation_data.drivers)
+    assert lamps.follow(stage) == again
+    assert list(stage.animation_data.drivers) == curves
+    assert all(curve.driver.is_valid for curve in curves)
+
+
+def test_a_full_copy_of_a_scene_has_lights_of_its_own(bound):
+    """The copy's rig is driven by the copy's light."""
+    blender, stage, sun, _, strength = bound
+    with headless.quiet():
+        blender.ops.scene.new(type="FULL_COPY")
+    copy = blender.context.scene
+    assert copy != stage
+    lamps.follow(copy)
+    (mine,) = lamps.followed(copy)
+    assert mine.item != sun
+    mine.item.data.energy = 0.5
+    assert strength()[0] == pytest.approx(0.5 * 2**1.5, rel=1e-6)
+    blender.context.window.scene = stage
+    assert strength()[0] == pytest.approx(7.0 * 2**1.5, rel=1e-6)
+
+
+@pytest.fixture
+def following():
+    """The handlers of the extension."""
+    follow.register()
+    yield
+    follow.unregister()
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda of: of.__name__)
+def test_while_the_extension_is_on_lights_are_followed(bound, following, change):
+    """Whatever changes, the next update has it."""
+    blender, stage, sun, _, strength = bound
+    level, _ = strength()
+    change(blender, stage, sun)
+    blender.context.view_layer.update()
+    if CHANGES[change] is None:
+        assert list(stage[lamps.RIG].keys()) == [lamps.PLAN]
+    else:
+        assert strength(CHANGES[change])[0] == pytest.approx(level, rel=1e-6)
+
+
+def test_handlers_leave_nothing_behind():
+    """As many as before, once the extension is off."""
+    import bpy
+
+    names = ("depsgraph_update_post", *follow.HANDLERS)
+    before = {name: list(getattr(bpy.app.handlers, name)) for name in names}
+    follow.register()
+    follow.unregister()
+    assert {name: list(getattr(bpy.app.handlers, name)) for name in names} == before
 
 
 def test_an_appended_material_brings_no_light_along_and_meets_those_of_its_new_scene(bound, tmp_path):

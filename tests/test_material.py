@@ -126,7 +126,7 @@ def test_a_saved_file_renders_the_same_without_the_extension(blender, tmp_path, 
     with headless.quiet(), gonio.stage((48, 48), samples=16, seed=3, shading_osl=backend == "osl") as stage:
         (lamp,) = gonio.light(stage, gonio.Geometry(30.0))
         lamp.data.angle = 0.3 if estimator == "mirror" else 0.0
-        lamps = (lamp,) if estimator == "direct" else ()
+        lamps = lamps_to_bind(stage, estimator) if estimator == "direct" else ()
         # Shadows stay on: tracing is part of what has to survive.
         made = build(check.materials()["conductor"], Choice(backend, estimator, lamps))
         gonio._sphere(stage, made)
@@ -152,7 +152,8 @@ def test_mirror_with_a_lamp_of_zero_size_sees_it_by_the_formula(blender):
     images = []
     for estimator in ("direct", "mirror"):
         with headless.quiet(), gonio.stage((32, 32), samples=1, seed=0, shading_osl=False) as stage:
-            lamps = gonio.light(stage, gonio.Geometry(40.0))
+            gonio.light(stage, gonio.Geometry(40.0))
+            lamps = lamps_to_bind(stage, estimator)
             gonio._sphere(stage, build(preset, Choice("nodes", estimator, lamps, shadows=False)))
             camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
             camera.location = (0, 0, 5)

@@ -154,7 +154,9 @@ def test_a_sum_shows_all_inputs_once(blender):
     """Weights, both parts' numbers, one normal, the lamps in their panels."""
     lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "SUN"))
     blender.context.scene.collection.objects.link(lamp)
-    made = material.build(preset(), material.Choice("nodes", "direct", (lamp,)))
+    made = material.build(
+        preset(), material.Choice("nodes", "direct", material.lamps_to_bind(blender.context.scene, "direct"))
+    )
     node = next(node for node in made.node_tree.nodes if node.type == "GROUP" and "Sum" in node.node_tree.name)
     names = [socket.name for socket in node.inputs]
     shown = ["Diffuse", "Specular", "Base Color", "Sigma", "Normal", "IOR", "Slope m"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import presets
+from .. import follow, presets
 from . import course, operators, panels, preferences, properties, thumbnails
 
 _registered = ExitStack()
@@ -28,6 +28,8 @@ def register() -> None:
         undo.callback(delattr, bpy.types.Scene, "vgroove")
         bpy.types.Scene.vgroove_course = bpy.props.PointerProperty(type=course.VGrooveCourse)
         undo.callback(delattr, bpy.types.Scene, "vgroove_course")
+        follow.register()
+        undo.callback(follow.unregister)
         _registered.enter_context(undo.pop_all())
 
 

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keeps what the scenes tell of their lights up to date while the extension is on, and before a command renders."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from . import lamps
+from .material import KEY, bound_slots
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from bpy.types import Depsgraph, Material, Scene
+
+HANDLERS = ("load_post", "undo_post", "redo_post")
+
+
+def bound_materials() -> Iterator[Material]:
+    """The materials of this file, linked ones too, that evaluate lights of the scene."""
+    return (made for made in bpy.data.materials if KEY in made and bound_slots(made))
+
+
+def refresh(scene: Scene) -> None:
+    """Have the scene tell of its lights as they are, if a material asks it; writes only what is not so."""
+    if scene.library is None and any(bound_materials()):
+        lamps.follow(scene)
+
+
+def register() -> None:
+    """Follow lights from now on."""
+    bpy.app.handlers.depsgraph_update_post.append(_on_update)
+    for name in HANDLERS:
+        getattr(bpy.app.handlers, name).append(_on_file)
+
+
+def unregister() -> None:
+    """Follow them no more."""
+    bpy.app.handlers.depsgraph_update_post.remove(_on_update)
+    for name in HANDLERS:
+        getattr(bpy.app.handlers, name).remove(_on_file)
+
+
+@bpy.app.handlers.persistent
+def _on_update(scene: Scene, depsgraph: Depsgraph) -> None:
+    if not bpy.app.is_job_running("RENDER") and any(map(_concerns_lights, depsgraph.updates)):
+        refresh(scene)
+
+
+@bpy.app.handlers.persistent
+def _on_file(*_: object) -> None:
+    for scene in bpy.data.scenes:
+        refresh(scene)
+
+
+def _concerns_lights(update: Any) -> bool:
+    """Whether a light may have come, gone or become another. A light that only moves is followed by its drivers."""
+    changed = update.id
+    if isinstance(changed, bpy.types.Object):
+        moved = update.is_updated_transform and not update.is_updated_geometry
+        return not moved and (changed.type == "LIGHT" or changed.instance_type == "COLLECTION")
+    return isinstance(changed, bpy.types.Light | bpy.types.Collection)
