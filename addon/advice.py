@@ -15,17 +15,15 @@ from . import lamps, rays
 from .material import (
     BUILDERS,
     EVERY_LAMP,
-    KEY,
     NATIVE,
     RANDOM,
-    Choice,
     binds,
     bound_slots,
-    build,
-    course_of,
+    is_ours,
     lamps_to_bind,
     origin_of,
 )
+from .rebuild import rebuild
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -135,7 +133,7 @@ def _stale_problems(scene: Scene) -> Iterator[Problem]:
         slot.material
         for item in lamps.rendered(scene)
         for slot in item.material_slots
-        if slot.material and KEY in slot.material
+        if slot.material and is_ours(slot.material)
     }
     for made in sorted(used, key=lambda one: one.name):
         origin = origin_of(made)
@@ -145,20 +143,11 @@ def _stale_problems(scene: Scene) -> Iterator[Problem]:
         ]  # fmt: skip
         if missing:
             text = f"{made.name} was made before {', '.join(missing)} had to be bound, and misses that light"
-            yield Problem(
-                f"stale {made.name}", text, "Make It Anew", partial(_renew, scene, made) if origin.plain else None
-            )
+            yield Problem(f"stale {made.name}", text, "Update", partial(_update, made, scene))
 
 
-def _renew(scene: Scene, made: Material) -> None:
-    origin = origin_of(made)
-    bind = lamps_to_bind(scene, origin.estimator, origin.preset.model)
-    preset, play = course_of(made) or (origin.preset, None)
-    new = build(preset, Choice(origin.backend, origin.estimator, bind, bound=origin.bound, play=play))
-    for item in scene.objects:
-        for slot in item.material_slots:
-            if slot.material == made:
-                slot.material = new
+def _update(made: Material, scene: Scene) -> None:
+    rebuild(made, scene)
 
 
 def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:

@@ -17,6 +17,7 @@ import numpy as np
 from .. import nodegroups
 from ..nodegroups import trajectory as trajectory_group
 from ..nodegroups.trajectory import AGE, OFFSET, RATE
+from . import roles
 from .reference.keyframes import TOLERANCE, TOLERANCES, Keyframes, place_keys
 from .reference.trajectory import Keys, Trajectory, local_age
 from .timeline import plain
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 DRIVINGS = ("curves", "age")
 INTERPOLATIONS = ("linear", "shape")
-LABEL = "Trajectory"  # of the node that holds a course driven by Age
 PIECES = 1024  # straight ones, about, for a curve that an artist bent
 CLOSEST = 1e-3  # frames: Blender takes keys within 1e-4 for one when it plays them
 FRAMES = (-1e6, 1e6)
@@ -100,9 +100,13 @@ def animate(
     material: Material, sockets: Mapping[str, NodeSocket], course: Trajectory, play: Play,
     title: str, backend: str,
 ) -> None:  # fmt: skip
-    """Have ``material`` play ``course`` on the inputs ``sockets``, each by its parameter's name."""
+    """Have ``material`` play ``course`` on the inputs ``sockets``, each by its parameter's name.
+
+    What an artist linked something to, or took away, is left as it is.
+    """
     keys = keyframes(course, play)
-    moving = {name: of for name, of in keys.items() if of.times.size > 1}
+    free = {name for name, socket in sockets.items() if not socket.is_linked}
+    moving = {name: of for name, of in keys.items() if of.times.size > 1 and name in free}
     if not moving:
         return
     if play.driving == "curves":
@@ -112,7 +116,7 @@ def animate(
         return
     node = _add_trajectory(material, {sockets[name]: of for name, of in moving.items()}, title, backend)
     ages = Keyframes(np.array([play.start, play.start + play.length]), np.array([0.0, 1.0]))
-    _key(material, node.inputs[AGE], ages, "linear")
+    _key(material, clock(node)[0], ages, "linear")
 
 
 def _add_trajectory(
@@ -120,7 +124,7 @@ def _add_trajectory(
 ) -> Node:  # fmt: skip
     """A node beside the model's that holds the courses and feeds its inputs; its group is the material's own."""
     courses: dict[str, list[Key]] = {
-        socket.name: [(float(age), plain(value)) for age, value in zip(of.times, of.values, strict=True)]
+        nodegroups.name_of(socket): [(float(age), plain(value)) for age, value in zip(of.times, of.values, strict=True)]
         for socket, of in moving.items()
     }
     build: Callable[[Tree], None] = partial(trajectory_group.build, keys=courses)
@@ -129,16 +133,23 @@ def _add_trajectory(
     tree, name = material.node_tree, f"{trajectory_group.NAME} {title}"[:LONGEST_NAME]
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = nodegroups.make(name, trajectory_group.REVISION, build)
-    node.label, node.width, node.location = LABEL, 220, (-300, 320)
+    node.label, node.width, node.location = "Trajectory", 220, (-300, 320)
+    node[roles.KEY] = roles.TRAJECTORY
     for socket in moving:
-        tree.links.new(node.outputs[socket.name], socket)
+        tree.links.new(node.outputs[nodegroups.name_of(socket)], socket)
     return node
 
 
 def trajectory_node(material: Material) -> Node | None:
-    """The node that holds the course of a material driven by Age; None of others."""
-    nodes = material.node_tree.nodes
-    return next((n for n in nodes if n.bl_idname == "ShaderNodeGroup" and AGE in n.inputs and RATE in n.inputs), None)
+    """The node that holds the course of a material driven by Age; None of others, and where its clock was taken out."""
+    node = roles.node(material, roles.TRAJECTORY)
+    return node if node is not None and {AGE, RATE, OFFSET} <= set(nodegroups.inputs(node)) else None
+
+
+def clock(node: Node) -> tuple[NodeSocket, NodeSocket, NodeSocket]:
+    """The inputs Age, Rate and Offset of a trajectory's node."""
+    inputs = nodegroups.inputs(node)
+    return inputs[AGE], inputs[RATE], inputs[OFFSET]
 
 
 # F-curves
@@ -152,10 +163,14 @@ def _bag(material: Material, *, make: bool = False) -> ChannelBag | None:
         return None
     if make and data.action is None:
         data.action = bpy.data.actions.new(f"{material.name} Course")
-        data.action_slot = data.action.slots.new(id_type="NODETREE", name=material.name)
-        data.action.layers.new(name="Layer").strips.new(type="KEYFRAME")
     action = data.action
-    if action is None or not action.layers or not action.layers[0].strips:
+    if make and data.action_slot is None:
+        data.action_slot = action.slots.new(id_type="NODETREE", name=material.name)
+    if make and not action.layers:
+        action.layers.new(name="Layer")
+    if make and not action.layers[0].strips:
+        action.layers[0].strips.new(type="KEYFRAME")
+    if action is None or data.action_slot is None or not action.layers or not action.layers[0].strips:
         return None
     return action.layers[0].strips[0].channelbag(data.action_slot, ensure=make)
 
@@ -177,7 +192,10 @@ def _key(material: Material, socket: NodeSocket, keys: Keyframes, interpolation:
         if np.ptp(part.values) > 0.0:
             bag = _bag(material, make=True)
             assert bag is not None  # noqa: S101 - it was made
-            curve = bag.fcurves.new(socket.path_from_id("default_value"), index=channel)
+            path = socket.path_from_id("default_value")
+            if (own := bag.fcurves.find(path, index=channel)) is not None:  # of an artist, on what was linked
+                bag.fcurves.remove(own)
+            curve = bag.fcurves.new(path, index=channel)
             _write(curve, _apart(part), interpolation)
 
 
@@ -258,7 +276,7 @@ def curves_of(material: Material, sockets: Iterable[NodeSocket]) -> list[FCurve]
     if bag is None:
         return []
     node = trajectory_node(material)
-    found = [*sockets, *([node.inputs[AGE]] if node else [])]
+    found = [*sockets, *([clock(node)[0]] if node else [])]
     paths = {socket.path_from_id("default_value") for socket in found}
     return [curve for curve in bag.fcurves if curve.data_path in paths]
 
@@ -325,13 +343,20 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
     if node is None:
         message = f"{material.name} is not driven by Age; its inputs have their own curves already, or none"
         raise AnimationError(message)
-    linked = [name for name in (RATE, OFFSET) if node.inputs[name].is_linked]
+    linked = [name for name, socket in zip((AGE, RATE, OFFSET), clock(node), strict=True) if socket.is_linked]
     if linked:
         message = (
             f"{' and '.join(linked)} of {material.name} come from a texture, which no curve can follow; unlink them"
         )
         raise AnimationError(message)
-    played = _by_frame(material, node, sockets)
+    held = _held(node, sockets)
+    fed = {name for name, one in sockets.items() if any(link.from_node == node for link in one.links)}
+    if missing := fed - set(held):
+        what = ", ".join(sorted(missing))
+        message = f"{material.name}: {what} in its Trajectory group was changed and cannot be read; remove the course"
+        raise AnimationError(message)
+    held = {name: keys for name, keys in held.items() if name in fed}
+    played = _by_frame(material, node, held, sockets)
     _drop_trajectory(material, node)  # takes the curve of Age along
     for socket, keys in played.items():
         _key(material, socket, keys, "linear")
@@ -342,8 +367,8 @@ def _held(node: Node, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]
     found = {}
     by_label = trajectory_group.keys_of(node.node_tree)
     for name, socket in sockets.items():
-        if socket.name in by_label:
-            ages, values = (np.array(part) for part in zip(*by_label[socket.name], strict=True))
+        if (label := nodegroups.name_of(socket)) in by_label:
+            ages, values = (np.array(part) for part in zip(*by_label[label], strict=True))
             last = np.append(np.diff(ages) > 0.0, [True])
             found[name] = Keyframes(ages[last], values[last])
     return found
@@ -351,18 +376,20 @@ def _held(node: Node, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]
 
 def _clock(node: Node, age: ArrayLike) -> NDArray[np.float64]:
     """The age of all points where neither Rate nor Offset comes from a texture."""
-    return local_age(np.clip(age, 0.0, 1.0), node.inputs[RATE].default_value, node.inputs[OFFSET].default_value)
+    _, rate, offset = clock(node)
+    return local_age(np.clip(age, 0.0, 1.0), rate.default_value, offset.default_value)
 
 
-def _by_frame(material: Material, node: Node, sockets: Mapping[str, NodeSocket]) -> dict[NodeSocket, Keyframes]:
+def _by_frame(
+    material: Material, node: Node, held: Mapping[str, Keyframes], sockets: Mapping[str, NodeSocket]
+) -> dict[NodeSocket, Keyframes]:
     """The keys of each input, by frame, that play what the material's Age plays."""
-    held, curves = _held(node, sockets), curves_of(material, ())
-    if not curves:
-        now = _clock(node, [node.inputs[AGE].default_value])
+    curve = next((one for one in curves_of(material, ()) if len(one.keyframe_points)), None)
+    if curve is None:
+        now = _clock(node, [clock(node)[0].default_value])
         return {sockets[name]: Keyframes(np.zeros(1), keys.law()(now)) for name, keys in held.items()}
-    (curve,) = curves
     knots = np.array([point.co.x for point in curve.keyframe_points])
-    straight = all(point.interpolation == "LINEAR" for point in curve.keyframe_points)
+    straight = knots.size == 1 or all(point.interpolation == "LINEAR" for point in curve.keyframe_points)
 
     def local(frames: NDArray[np.float64]) -> NDArray[np.float64]:
         return _clock(node, [curve.evaluate(frame) for frame in frames])
@@ -405,14 +432,16 @@ def courses(material: Material, sockets: Mapping[str, NodeSocket]) -> dict[str, 
     if node is not None:
         return _held(node, sockets)
     found: dict[str, Keyframes] = {}
-    moving = curves_of(material, sockets.values())
+    moving = [curve for curve in curves_of(material, sockets.values()) if len(curve.keyframe_points)]
     first, last = span_of(moving) if moving else (0.0, 1.0)
     for name, socket in sockets.items():
         path = socket.path_from_id("default_value")
         of_socket = {curve.array_index: curve for curve in moving if curve.data_path == path}
         if of_socket:
             frames = np.unique([point.co.x for curve in of_socket.values() for point in curve.keyframe_points])
-            if any(point.interpolation != "LINEAR" for of in of_socket.values() for point in of.keyframe_points):
+            if frames.size == 1:
+                found[name] = Keyframes(np.zeros(1), _values(socket.default_value, of_socket, frames))
+            elif any(point.interpolation != "LINEAR" for of in of_socket.values() for point in of.keyframe_points):
                 law = _tabulated(frames, partial(_values, socket.default_value, of_socket))
                 played = place_keys(Trajectory({name: law}, first, last), name)
                 found[name] = Keyframes((played.times - first) / (last - first), played.values)
@@ -441,7 +470,7 @@ def remove(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
         _set_channel(socket, curve.array_index, curve.evaluate(frame))
     node = trajectory_node(material)
     if node is not None:
-        held, now = _held(node, sockets), _clock(node, node.inputs[AGE].default_value)
+        held, now = _held(node, sockets), _clock(node, clock(node)[0].default_value)
         _drop_trajectory(material, node)
         for name, keys in held.items():
             for channel, value in enumerate(np.atleast_1d(keys.law()(now))):
@@ -454,12 +483,7 @@ def _drop_trajectory(material: Material, node: Node) -> None:
     group = node.node_tree
     _drop_curves(material, curves_of(material, ()))
     material.node_tree.nodes.remove(node)
-    if group.users == 0:
-        texts = [one.script for one in group.nodes if one.bl_idname == "ShaderNodeScript"]
-        bpy.data.node_groups.remove(group)
-        for text in texts:
-            if text is not None and text.users <= text.use_fake_user:
-                bpy.data.texts.remove(text)
+    nodegroups.remove_unused(group)
 
 
 def _drop_curves(material: Material, curves: Iterable[FCurve]) -> None:

@@ -3,19 +3,21 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import bpy
 
 from .advice import problems_with
 from .automatic import pick_estimator
-from .material import Choice, apply, build, lamps_to_bind
+from .material import Choice, build, lamps_to_bind
 from .scene import SceneError
+from .slots import give, refusal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from bpy.types import Material, Scene
+    from bpy.types import Material, Object, Scene
 
     from .animation import Play
     from .presets import Preset
@@ -34,6 +36,7 @@ def assign(
 ) -> list[str]:
     """Give objects, by name, the materials of presets, those that change by ``play``; returns warnings, each once.
 
+    given: names are "OBJECT", for its active slot, or "OBJECT:SLOT". Objects that share a mesh each get their own.
     estimator: "auto" picks one for each. into: objects' materials of an earlier call, which become those of this one.
     SceneError, opened by ``where``, for a name that cannot have a material.
     """
@@ -41,19 +44,51 @@ def assign(
         scene.cycles.shading_system = True
     said: dict[str, None] = {}
     for name, preset in given:
+        wanted = f'{where}"{name}={preset.id}"'
+        known = into.get(name) if into is not None else None
+        item, index, note = _slot(scene, name, wanted, known)
         chosen = pick_estimator(scene, preset, backend) if estimator == "auto" else estimator
-        item = scene.objects.get(name)
-        if item is None:
-            known = ", ".join(sorted(other.name for other in scene.objects if other.type == "MESH"))
-            message = f'{where}"{name}={preset.id}": the scene has no object of that name; it has {known}'
-            raise SceneError(message)
         bound_lamps = lamps_to_bind(scene, chosen, preset.model)
         choice = Choice(backend, chosen, bound_lamps, bound=bound, play=play if preset.time else None)
-        if into is not None and name not in into:  # of its own, though there be another like it
-            into[name] = bpy.data.materials.new(preset.name)
-        made = build(preset, choice, into[name] if into is not None else None)
-        if not apply(made, [item]):
-            message = f'{where}"{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
-            raise SceneError(message)
+        if into is not None and known is None:  # of its own, though there be another like it
+            known = into[name] = bpy.data.materials.new(preset.name)
+        give(build(preset, choice, known), item, index, alone=True)
+        said |= dict.fromkeys(note)
         said |= dict.fromkeys(problem.text for problem in problems_with(scene, preset, backend, chosen))
     return list(said)
+
+
+def _slot(scene: Scene, name: str, wanted: str, known: Material | None) -> tuple[Object, int, list[str]]:
+    """The object and slot that "OBJECT" or "OBJECT:SLOT" names, and what to say if the name leaves the slot open.
+
+    known: the material that an earlier call put into the slot. An object of exactly this name comes first; a slot goes
+    by the name of its material, else by its number from 1.
+    """
+    item, slot = scene.objects.get(name), ""
+    if item is None and ":" in name:
+        of, _, slot = name.rpartition(":")
+        item = scene.objects.get(of)
+    if item is None:
+        meshes = ", ".join(sorted(other.name for other in scene.objects if other.type == "MESH"))
+        message = f"{wanted}: the scene has no object of that name; it has {meshes}"
+        raise SceneError(message)
+    if reason := refusal(item):
+        message = f"{wanted}: {reason}"
+        raise SceneError(message)
+    names = [one.name for one in item.material_slots]
+    held = [one.material for one in item.material_slots]
+    if known is not None and known in held:
+        return item, held.index(known), []
+    listed = ", ".join(f"{k} {one or '(empty)'}" for k, one in enumerate(names, 1))
+    if not slot:
+        index = item.active_material_index
+        if len(names) < 2:
+            return item, index, []
+        text = f"{item.name} has {len(names)} slots ({listed}); slot {index + 1} gets the material"
+        return item, index, [f"{text}. Name another one as {item.name}:SLOT"]
+    if slot in names:
+        return item, names.index(slot), []
+    if re.fullmatch(r"[0-9]{1,5}", slot) and 1 <= int(slot) <= len(names):
+        return item, int(slot) - 1, []
+    message = f'{wanted}: {item.name} has no slot "{slot}"; it has {listed or "none"}'
+    raise SceneError(message)

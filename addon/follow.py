@@ -7,26 +7,36 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from . import lamps
-from .material import KEY, bound_slots
+from . import lamps, origin
+from .material import bindable, bound_slots
+from .rebuild import rebuild
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from bpy.types import Depsgraph, Material, Scene
 
 HANDLERS = ("load_post", "undo_post", "redo_post")
 
 
-def bound_materials() -> Iterator[Material]:
-    """The materials of this file, linked ones too, that evaluate lights of the scene."""
-    return (made for made in bpy.data.materials if KEY in made and bound_slots(made))
-
-
 def refresh(scene: Scene) -> None:
-    """Have the scene tell of its lights as they are, if a material asks it; writes only what is not so."""
-    if scene.library is None and any(bound_materials()):
-        lamps.follow(scene)
+    """Have the scene tell of its lights as they are, if a material asks it, and its materials ask for all of them.
+
+    Writes only what is not so.
+    """
+    if scene.library is not None or not any(map(bound_slots, bpy.data.materials)):
+        return
+    lights = lamps.follow(scene)
+    for made in _used(scene):
+        record = origin.read(made)
+        if record is None or not record.lights or made.library is not None or made.override_library is not None:
+            continue
+        wanted = {str(light.slot) for light in bindable(lights, record.estimator, record.preset.model)}
+        if bound_slots(made) and not wanted <= bound_slots(made):
+            rebuild(made, scene)
+
+
+def _used(scene: Scene) -> set[Material]:
+    slots = (slot for item in lamps.rendered(scene) for slot in item.material_slots)
+    return {slot.material for slot in slots if slot.material}
 
 
 def register() -> None:

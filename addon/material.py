@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -37,20 +37,21 @@ from ..nodegroups import (
     translucent,
 )
 from ..nodegroups import sum as sum_group
-from . import animation
+from . import animation, origin, roles
 from . import lamps as lamp_binding
-from .animation import Play
+from .origin import Record
 from .preset_checks import M_RANGE, base_name
-from .presets import TRANSPARENT, Preset, all_presets
+from .presets import TRANSPARENT, Preset
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 from .timeline import Timeline
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from bpy.types import FCurve, Material, Node, NodeSocket, Object, Scene, ShaderNodeTree
+    from bpy.types import FCurve, Material, Node, NodeSocket, Scene, ShaderNodeTree
 
     from ..nodegroups._tree import Tree
+    from .animation import Play
     from .lamps import Light
 
 BACKENDS = ("nodes", "osl")
@@ -79,12 +80,9 @@ BUILDERS: dict[str, dict[str, Any]] = {
 }
 UPRIGHT = {"closure", "direct"}  # estimators whose closures do not lean: others would be bent by Bump Map Correction
 NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
+KEY = roles.KEY  # custom property on a material: what it was built from
 RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
 EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
-KEY = "vgroove"  # custom property on a material: what it was built from
-ABSORPTION = "Absorption"  # label of the node beside the model's
-STATE = "vgroove_state"  # its inputs as built, to tell whether an artist changed them since
-TIME = "vgroove_time"  # of a material that changes: how its course was played when it was built
 
 
 def binds(estimator: str, lamp_size: float, model: str = "cook_torrance") -> bool:
@@ -101,7 +99,11 @@ def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") ->
     """The strongest lights that the material evaluates itself, as ``binds`` says for their size."""
     if estimator in NATIVE or model in TRANSPARENT:
         return ()
-    lights = lamp_binding.followed(scene)
+    return bindable(lamp_binding.followed(scene), estimator, model)
+
+
+def bindable(lights: Sequence[Light], estimator: str, model: str) -> tuple[Light, ...]:
+    """Those of a scene's followed lights that the material evaluates itself."""
     return tuple(one for one in lights if binds(estimator, lamp_binding.size(one.item), model))[: lamp_binding.LIMIT]
 
 
@@ -162,76 +164,108 @@ def build(preset: Preset, choice: Choice, into: Material | None = None) -> Mater
     if choice.play is not None and preset.time is None:
         message = f"{preset.id} does not change over time; leave play out"
         raise MaterialError(message)
-    key, course = _key(preset, choice), _course_key(preset, choice.play)
-    for scene in {one.scene for one in choice.lamps}:
-        lamp_binding.follow(scene)
-    for material in bpy.data.materials if into is None else ():
-        if (material.get(KEY), material.get(TIME)) != (key, course) or material.library is not None:
-            continue
-        if not is_edited(material):
-            return material
-    material = _build(preset, choice, into)
-    material[KEY] = key
-    if choice.play is not None:
-        material[TIME] = course
-        try:
-            _animate(material, preset, choice.play)
-        except Exception:  # a material whose course cannot be built does not stay behind half made
+    record, group = record_of(preset, choice), group_of(preset, choice)  # may refuse: nothing is made before it
+    for known in bpy.data.materials if into is None else ():
+        if _is_built_so(known, record, group):
+            return known
+    material = into or bpy.data.materials.new(preset.name)
+    if origin.read(material) is not None:
+        stop(material)
+        material.node_tree.animation_data_clear()
+        material.name = preset.name
+    try:
+        fill(material, preset, choice, group)
+        origin.write(material, record)
+        animate(material, record)
+    except Exception:  # a material that cannot be built does not stay behind half made
+        if into is None:
             bpy.data.materials.remove(material)
-            raise
-    material[STATE] = _state(material)
+        raise
+    origin.write(material, replace(record, state=state_of(material)))
     return material
 
 
-def _build(preset: Preset, choice: Choice, into: Material | None) -> Material:
+def record_of(preset: Preset, choice: Choice) -> Record:
+    """What a material of ``preset`` by ``choice`` remembers."""
+    lights = tuple(str(one.slot) for one in choice.lamps)
+    return Record(preset, choice.backend, choice.estimator, choice.bound, choice.shadows, lights, choice.play)
+
+
+def _is_built_so(material: Material, record: Record, group: ShaderNodeTree) -> bool:
+    """Whether a material was built from the same, of the same group, and nobody edited it since."""
+    kept = origin.read(material)
+    if kept is None or kept.preset.id != record.preset.id or material.library is not None:
+        return False
+    node = roles.node(material, roles.MODEL)
+    same = node is not None and node.node_tree == group and kept.builds() == record.builds()
+    return same and not is_edited(material)
+
+
+def fill(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree) -> None:
     """The material as it is at the start of its course."""
-    group = _group(preset, choice)  # may refuse: nothing is made before it
-    name = f"{preset.name} ({choice.estimator.title()})"
-    material = into or bpy.data.materials.new(name)
-    if KEY in material:
-        stop(material)
-        material.node_tree.animation_data_clear()
-        material.name = name
     if bpy.app.version < (5, 0, 0):  # 4.5 has no tree until use_nodes is set; 5.x warns when it is. Goes with 4.5 LTS.
         material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
-    node = _group_node(tree, group, preset.name)
-    for name, value in preset.parameters.items():
-        if socket_name(name) in node.inputs:  # smooth glass has no slope
-            # m = 0, a smooth interface, is what float32 can hold of it
-            _set(node, socket_name(name), max(value, M_RANGE[0]) if base_name(name) == "m" else value)
-    if choice.estimator == "hybrid":
-        _set(node, "Bound", choice.bound)
-    for index, one in enumerate(choice.lamps, 1):
-        _bind(tree, node, index, one, choice)
+    node = add_model(material, preset, choice, group)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
-    output.location = (300, 0)
+    output.location, output[roles.KEY] = (300, 0), roles.OUTPUT
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     if absorbs(preset):
         _absorb(tree, output, preset.parameters["absorption"])
+    show_in_eevee(tree, node, output)
+    show_in_solid_view(material, preset)
+    set_up(material, choice)
+
+
+def add_model(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree) -> Node:
+    """A node of the model with the preset's numbers, and the lights that it evaluates."""
+    node = _group_node(material.node_tree, group, preset.name, roles.MODEL)
+    for name, value in preset.parameters.items():
+        if socket_name(name) in node.inputs:  # smooth glass has no slope
+            set_input(node.inputs[socket_name(name)], held(name, value))
+    if choice.estimator == "hybrid":
+        node.inputs["Bound"].default_value = choice.bound
+    bind_lights(material, node, choice)
+    return node
+
+
+def held(parameter: str, value: Any) -> Any:
+    """A parameter's value as its input has it: m = 0, a smooth interface, is what float32 can hold of it."""
+    return max(value, M_RANGE[0]) if base_name(parameter) == "m" else value
+
+
+def bind_lights(material: Material, node: Node, choice: Choice) -> None:
+    """Link the lights of ``choice`` to a model's node, and have their scene tell of them."""
+    for scene in {one.scene for one in choice.lamps}:
+        lamp_binding.follow(scene)
+    for index, one in enumerate(choice.lamps, 1):
+        _bind(material.node_tree, node, index, one, choice)
+
+
+def set_up(material: Material, choice: Choice) -> None:
+    """The material's own settings that the estimator needs."""
+    material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT
+    material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
+
+
+def show_in_eevee(tree: ShaderNodeTree, node: Node, output: Node) -> None:
+    """Have EEVEE show the closure of the same inputs, where the group gives one, and leave ``output`` to Cycles."""
     if eevee.OUTPUT in node.outputs:
         output.target = "CYCLES"
         shown = tree.nodes.new("ShaderNodeOutputMaterial")
-        shown.target, shown.location = "EEVEE", (300, -160)
+        shown.target, shown[roles.KEY] = "EEVEE", roles.EEVEE
+        shown.location = (output.location.x, output.location.y - 160)
         tree.links.new(node.outputs[eevee.OUTPUT], shown.inputs["Surface"])
-    _show_in_solid_view(material, preset)
-    material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT
-    material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
-    return material
 
 
-def _animate(material: Material, preset: Preset, play: Play) -> None:
-    """Have the material play the preset's course."""
-    sockets, course, backend = parameter_sockets(material), preset.trajectory(), json.loads(material[KEY])[5]
-    animation.animate(material, {name: sockets[name] for name in course.laws}, course, play, preset.name, backend)
-
-
-def _course_key(preset: Preset, play: Play | None) -> str | None:
-    """What the material's course was built from."""
-    if play is None or preset.time is None:
-        return None
-    return json.dumps({"play": asdict(play), "time": asdict(preset.time)})
+def animate(material: Material, record: Record) -> None:
+    """Have the material play its preset's course, where it plays one."""
+    if record.play is not None:
+        preset = record.preset
+        animation.animate(
+            material, parameter_sockets(material), preset.trajectory(), record.play, preset.name, record.backend
+        )
 
 
 def absorbs(preset: Preset) -> bool:
@@ -242,9 +276,9 @@ def absorbs(preset: Preset) -> bool:
 
 def _absorb(tree: ShaderNodeTree, output: Node, taken: Any) -> None:
     group = nodegroups.ensure(absorption.NAME, absorption.REVISION, absorption.build)
-    node = _group_node(tree, group, ABSORPTION)
+    node = _group_node(tree, group, "Absorption", roles.ABSORPTION)
     node.location = (0, -320)
-    _set(node, "Absorption", taken)
+    set_input(node.inputs["Absorption"], taken)
     tree.links.new(node.outputs[0], output.inputs["Volume"])
 
 
@@ -260,124 +294,131 @@ def socket_name(parameter: str) -> str:
     return SOCKETS[base] if base == parameter else f"Lobe {parameter.removeprefix(base)[1:]} {SOCKETS[base]}"
 
 
-def apply(material: Material, objects: Sequence[Object]) -> int:
-    """Give ``material`` to the active slot of each object that can have one; returns how many took it."""
-    count = 0
-    for item in objects:
-        if item.type not in {"MESH", "CURVE", "SURFACE", "META", "FONT", "POINTCLOUD", "CURVES", "VOLUME"}:
-            continue
-        if item.material_slots:
-            item.active_material = material
-        else:
-            item.data.materials.append(material)
-        count += 1
-    return count
-
-
-def _key(preset: Preset, choice: Choice) -> str:
-    bound = [[str(one.slot), choice.shadows] for one in choice.lamps]
-    of_preset = [preset.id, preset.model, preset.kind, preset.coupled, preset.parameters]
-    more = [choice.bound] if choice.estimator == "hybrid" else []
-    return json.dumps([*of_preset, choice.backend, choice.estimator, bound, *more])
-
-
 @dataclass(frozen=True)
 class Origin:
-    """What a material was built from, with the numbers that it has now.
-
-    ``plain``: nothing was linked to it since, and its course, if it has one, is as it was built.
-    """
+    """What a material was built from, with the numbers that it has now."""
 
     preset: Preset
     backend: str
     estimator: str
     bound: float
-    plain: bool
+
+
+def is_ours(material: Material) -> bool:
+    """Whether ``build`` made this material, and this version can read what it was built from."""
+    return origin.read(material) is not None
 
 
 def parameter_sockets(material: Material) -> dict[str, NodeSocket]:
-    """The inputs that hold the parameters of a material that ``build`` made, by their reference names.
+    """The inputs that hold the parameters of a material, by their reference names.
 
-    Smooth glass and the like have no input for their slope.
+    Smooth glass and the like have no input for their slope. What an artist took away is not there: none of a material
+    whose group was deleted, or that is not ours.
     """
-    parameters = json.loads(material[KEY])[4]
-    groups = [node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeGroup"]
-    inputs = {
-        socket.name: socket for one in groups if _is_model(one) or one.label == ABSORPTION for socket in one.inputs
-    }
-    found = {name: inputs[socket_name(name)] for name in parameters if socket_name(name) in inputs}
-    return {name: socket for name, socket in found.items() if base_name(name) != "m" or parameters[name] != 0.0}
+    record = origin.read(material)
+    if record is None:
+        return {}
+    inputs: dict[str, NodeSocket] = {}
+    for role in (roles.ABSORPTION, roles.MODEL):
+        node = roles.node(material, role)
+        inputs |= nodegroups.inputs(node) if node else {}
+    found = {}
+    for name, value in record.preset.parameters.items():
+        socket = inputs.get(socket_name(name))
+        smooth = base_name(name) == "m" and value == 0.0
+        if socket is not None and not smooth and (socket.type == "VALUE") == isinstance(value, float):
+            found[name] = socket
+    return found
 
 
 def bound_slots(material: Material) -> set[str]:
-    """The lights of a scene's rig that a material that ``build`` made reads."""
-    return {slot for slot, _ in json.loads(material[KEY])[7]}
+    """The lights of a scene that a material reads; of format 1 none, which is driven by lights itself."""
+    record = origin.read(material)
+    return {slot for slot in record.lights if isinstance(slot, str)} if record else set()
 
 
 def origin_of(material: Material) -> Origin:
-    """The preset and choice behind a material that ``build`` made; the numbers are read from its group's inputs."""
-    identity, model, kind, coupled, parameters, backend, estimator, _, *bound = json.loads(material[KEY])
-    node = next(node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeGroup" and _is_model(node))
-    now = {name: tuple(value) if isinstance(value, list) else value for name, value in parameters.items()}
+    """The preset and choice behind a material; the numbers are those of its inputs now, where it still has them."""
+    record = _record(material)
+    now = dict(record.preset.parameters)
     for name, socket in parameter_sockets(material).items():
         value = socket.default_value
         now[name] = tuple(value)[:3] if isinstance(value, Iterable) else float(value)
-    known = all_presets().get(identity)
-    source = known.source if known else {"data": "unknown"}
-    preset = Preset(identity, node.label, model, kind, now, source, coupled=coupled)
-    limit = node.inputs["Bound"].default_value if "Bound" in node.inputs else next(iter(bound), DEFAULT_BOUND)
-    linked = {link.from_node for socket in node.inputs for link in socket.links}
-    ours = all(one.label.startswith("Lamp ") or one.label == animation.LABEL for one in linked)
-    plain = ours and not (TIME in material and is_edited(material))  # an edited course could not be made again
-    return Origin(preset, backend, estimator, float(limit), plain=plain)
+    # How the preset was verified, and what is noted of it, holds for its own numbers.
+    preset = replace(record.preset, parameters=now, verified={}, m_range=None, notes="", time=None)
+    node = roles.node(material, roles.MODEL)
+    bound = nodegroups.inputs(node).get("Bound") if node else None
+    limit = record.bound if bound is None else min(max(float(bound.default_value), BOUNDS[0]), BOUNDS[1])
+    return Origin(preset, record.backend, record.estimator, limit)
+
+
+def _record(material: Material) -> Record:
+    record = origin.read(material)
+    if record is None:
+        message = f"{material.name} was not made by vgroove, or by a later version of it; apply a preset"
+        raise MaterialError(message)
+    return record
+
+
+def upgrade(material: Material) -> Record:
+    """What a material was built from, kept in the present format from now on; MaterialError if it cannot be changed."""
+    record = _record(material)
+    if reason := locked(material):
+        raise MaterialError(reason)
+    if roles.is_format_1(material):
+        edited, guessed = is_edited(material), [(node, roles.guess(node)) for node in material.node_tree.nodes]
+        for node, role in guessed:
+            if role:
+                node[roles.KEY] = role
+        for name in (origin.STATE_1, origin.TIME_1):
+            if name in material:
+                del material[name]
+        origin.write(material, record)
+        record = replace(record, state="" if edited else state_of(material))
+        origin.write(material, record)
+    return record
+
+
+def locked(material: Material) -> str:
+    """Why a material cannot be changed in this file, and what to do; empty if it can."""
+    if material.library is not None:
+        what = f"is linked from {material.library.name}"
+    elif material.override_library is not None:
+        what = "is an override of a linked material, whose nodes cannot be changed"
+    else:
+        return ""
+    return f"{material.name} {what}; choose Object > Relations > Make Local > Materials, or apply a preset"
 
 
 def is_edited(material: Material) -> bool:
-    """Whether a material that ``build`` made was changed since."""
-    return bool(material[STATE] != _state(material))
-
-
-def reset(material: Material) -> None:
-    """Give a material that ``build`` made the numbers again that it was built with, and its course."""
-    parameters = _parameters_of(material)
-    sockets = parameter_sockets(material)
-    animation.remove(material, sockets)
-    for name, socket in sockets.items():
-        _set(socket.node, socket.name, parameters[name])
-    if (played := course_of(material)) is not None:
-        _animate(material, *played)
-    _show_in_solid_view(material, origin_of(material).preset)
+    """Whether a material was changed since ``build`` made it."""
+    state = _state_1(material) if roles.is_format_1(material) else state_of(material)
+    return _record(material).state != state
 
 
 def curves(material: Material) -> list[FCurve]:
-    """The F-curves that play the course of a material that ``build`` made."""
+    """The F-curves that play the course of a material."""
     return animation.curves_of(material, parameter_sockets(material).values())
 
 
 def plays(material: Material) -> bool:
-    """Whether a material that ``build`` made changes over time."""
+    """Whether a material changes over time."""
     return bool(curves(material)) or animation.trajectory_node(material) is not None
 
 
 def preset_of(material: Material) -> Preset:
-    """The preset that a material came from, as it was then, with its course where the presets of today have one."""
-    if (played := course_of(material)) is not None:
-        return played[0]
-    origin = origin_of(material).preset
-    same = all_presets().get(origin.id)
-    parameters = _parameters_of(material)
-    fits = same is not None and same.time is not None and set(same.time.laws) <= set(parameters)
-    return replace(origin, parameters=parameters, time=same.time if same and fits else None)
+    """The preset that a material was built from, as it was then."""
+    return _record(material).preset
 
 
-def kept(material: Material) -> Preset:
+def to_preset(material: Material) -> Preset:
     """What a material is now, as a preset: its numbers and its course, with what an artist changed in them."""
-    now, built = origin_of(material).preset, preset_of(material)
+    now, record = origin_of(material).preset, _record(material)
     if not plays(material):
         return now
     if not is_edited(material):
-        return built
-    known = built.time or Timeline("share", 0.0, 1.0, "authored", {})
+        return replace(now, parameters=record.preset.parameters, time=record.preset.time)
+    known = record.preset.time or Timeline("share", 0.0, 1.0, "authored", {})
     laws: dict[str, dict[str, Any]] = {}
     starts: dict[str, Any] = {}
     for name, keys in animation.courses(material, parameter_sockets(material)).items():
@@ -387,51 +428,82 @@ def kept(material: Material) -> Preset:
         later = [(time, of) for time, of in zip(times, values, strict=True) if time > known.start]
         if later:
             laws[name] = {"law": "keys", "times": [time for time, _ in later], "values": [of for _, of in later]}
-    return replace(now, parameters=now.parameters | starts, time=replace(known, kind="authored", laws=laws))
+    time = replace(known, kind="authored", laws=laws) if laws else None  # one key alone: it stands still
+    return replace(now, parameters=now.parameters | starts, time=time)
 
 
 def play(material: Material, how: Play) -> None:
-    """Have a material that ``build`` made play its preset's course, in place of one that it plays already."""
-    preset = preset_of(material)
-    if preset.time is None:
-        message = f"{material.name}: {preset.id} does not change over time; choose a preset that does"
+    """Have a material play its preset's course, in place of one that it plays already."""
+    record = upgrade(material)
+    if record.preset.time is None:
+        message = f"{material.name}: {record.preset.id} does not change over time; choose a preset that does"
+        raise MaterialError(message)
+    if roles.node(material, roles.MODEL) is None:
+        message = f"{material.name}: its node group was deleted; press Reset to Preset, which makes it again"
         raise MaterialError(message)
     edited = is_edited(material)
     animation.remove(material, parameter_sockets(material))
-    _animate(material, preset, how)
-    material[TIME] = _course_key(preset, how)
-    if not edited:
-        material[STATE] = _state(material)
+    record = replace(record, play=how)
+    animate(material, record)
+    origin.write(material, record if edited else replace(record, state=state_of(material)))
 
 
 def stop(material: Material) -> None:
     """Take a material's course away; it stays as the current frame shows it."""
+    record = upgrade(material)
     animation.remove(material, parameter_sockets(material))
-    if TIME in material:
-        del material[TIME]
+    origin.write(material, replace(record, play=None))
 
 
-def _parameters_of(material: Material) -> dict[str, Any]:
-    """The numbers that a material was built with."""
-    kept = json.loads(material[KEY])[4]
-    return {name: tuple(value) if isinstance(value, list) else value for name, value in kept.items()}
+def state_of(material: Material) -> str:
+    """The inputs that artists can change, and what is linked, as one comparable text.
+
+    Our nodes are named by their roles, so that a material rebuilt in place compares with one built from nothing.
+    """
+    tree = material.node_tree
+    names = {node.name: node.name for node in tree.nodes}
+    for role in (*roles.GROUPS, roles.OUTPUT, roles.EEVEE):
+        names |= {node.name: f"{role} {k}" for k, node in enumerate(roles.nodes(material, role))}
+    inputs = {
+        f"{socket.path_from_id()}.default_value": (names[node.name], name, socket)
+        for node in tree.nodes
+        for name, socket in _named_inputs(node)
+    }
+    values: list[Any] = [[names[node.name], node.mute] for node in tree.nodes if node.mute]
+    found = curves(material)
+    for curve in found:
+        keys = [[round(float(part), 5) for part in point.co] for point in curve.keyframe_points]
+        values.append([*inputs[curve.data_path][:2], curve.array_index, keys])
+    if (course := animation.trajectory_node(material)) is not None:
+        values.append(str(trajectory.keys_of(course.node_tree)))
+    moving = {curve.data_path for curve in found}
+    for path, (node, name, socket) in inputs.items():
+        value = getattr(socket, "default_value", None)
+        plain = [round(float(part), 7) for part in value] if isinstance(value, Iterable) else value
+        driven = path in moving or node.startswith(roles.LIGHT)
+        links = [[names[link.from_node.name], link.from_socket.name] for link in socket.links]
+        values.append([node, name, None if driven else _comparable(plain), links])
+    values += [
+        [*inputs[curve.data_path][:2], curve.array_index, curve.driver.expression]
+        for curve in (tree.animation_data.drivers if tree.animation_data else ())
+        if curve.data_path in inputs and not inputs[curve.data_path][0].startswith(roles.LIGHT)
+    ]
+    return json.dumps(sorted(map(json.dumps, values)))
 
 
-def course_of(material: Material) -> tuple[Preset, Play] | None:
-    """The preset whose course a material was built to play, and how; None of a material that stands still."""
-    if TIME not in material:
-        return None
-    kept = json.loads(material[TIME])
-    preset = replace(origin_of(material).preset, parameters=_parameters_of(material), time=Timeline(**kept["time"]))
-    return preset, Play(**kept["play"])
+def _comparable(value: Any) -> Any:
+    """A socket's value as JSON has it: what is neither a number nor a text by its name."""
+    return value if value is None or isinstance(value, (bool, int, float, str, list)) else getattr(value, "name", "")
 
 
-def _is_model(node: Node) -> bool:
-    return not node.label.startswith("Lamp ") and node.label not in {ABSORPTION, animation.LABEL}
+def _named_inputs(node: Node) -> list[tuple[str, NodeSocket]]:
+    if node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
+        return list(nodegroups.inputs(node).items())
+    return [(socket.name, socket) for socket in node.inputs]
 
 
-def _state(material: Material) -> str:
-    """The inputs that artists can turn, and what is linked, as one comparable text."""
+def _state_1(material: Material) -> str:
+    """What format 1 kept as a material's state: by the names of nodes."""
     values: list[Any] = []
     found = curves(material)
     moving = {curve.data_path for curve in found}
@@ -451,7 +523,7 @@ def _state(material: Material) -> str:
     return json.dumps(values)
 
 
-def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
+def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     """The node group of the preset's model by this choice."""
     known = BUILDERS[preset.model]
     if choice.estimator not in known:
@@ -467,16 +539,16 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if preset.model == "car_paint":
         label += f" {choice.estimator.title()}, {preset.lobes} lobe{'s' * (preset.lobes > 1)}"
         build_group = module.build
-        base, lobe, *_ = (_group(of, choice) for of in preset.parts().values())  # the lobes' groups are one
+        base, lobe, *_ = (group_of(of, choice) for of in preset.parts().values())  # the lobes' groups are one
         arguments = {"base": base, "lobe": lobe, "lobes": preset.lobes}
     elif preset.model == "translucent":
         label += f" {choice.estimator.title()}"
         build_group = module.build
-        arguments = {"coat": _group(preset.parts()["specular"], choice), "kind": preset.kind}
+        arguments = {"coat": group_of(preset.parts()["specular"], choice), "kind": preset.kind}
     elif preset.model == "sum":
         label += f" {choice.estimator.title()}"
         build_group = module.build
-        arguments = {part: _group(of, choice) for part, of in preset.parts().items()}
+        arguments = {part: group_of(of, choice) for part, of in preset.parts().items()}
         if preset.coupled:
             label += " Coupled"
             arguments["coupled"] = preset.kind
@@ -488,7 +560,7 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
         label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
     build = partial(build_group, **arguments)
     if choice.estimator != "closure":
-        build = partial(_with_eevee, build, _group(preset, Choice("nodes", "closure")))
+        build = partial(_with_eevee, build, group_of(preset, Choice("nodes", "closure")))
     return nodegroups.ensure(label + _suffix(choice), module.REVISION, build)
 
 
@@ -511,7 +583,7 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Light, choice: Choi
     shadows = choice.shadows and slot.shadows and (osl or lamp.can_cast_shadows())
     make = partial(lamp.build_slot, slot=slot, shadows=shadows, osl=osl)
     name = f"VGroove Light {slot}" + ", no shadows" * (slot.shadows and not shadows) + _suffix(choice)
-    source = _group_node(tree, nodegroups.ensure(name, lamp.REVISION, make), f"Lamp {index}: {slot}")
+    source = _group_node(tree, nodegroups.ensure(name, lamp.REVISION, make), f"Light {index}: {slot}", roles.LIGHT)
     source.location = (-300, -160 * (index - 1))
     if "Stream" in source.inputs:
         source.inputs["Stream"].default_value = lamp.STREAM + index - 1
@@ -519,7 +591,7 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Light, choice: Choi
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
 
 
-def _show_in_solid_view(material: Material, preset: Preset) -> None:
+def show_in_solid_view(material: Material, preset: Preset) -> None:
     """The colour head-on and the roughness, for viewports that do not run the shader."""
     values: dict[str, Any] = preset.parameters
     color = values.get("albedo") or values.get("tint") or values.get("reflectance")
@@ -535,12 +607,13 @@ def _suffix(choice: Choice) -> str:
     return " (OSL)" if choice.backend == "osl" else ""
 
 
-def _group_node(tree: ShaderNodeTree, group: ShaderNodeTree, label: str) -> Node:
+def _group_node(tree: ShaderNodeTree, group: ShaderNodeTree, label: str, role: str = "") -> Node:
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree, node.label, node.width = group, label, 220
+    if role:
+        node[roles.KEY] = role
     return node
 
 
-def _set(node: Node, name: str, value: Any) -> None:
-    socket = node.inputs[name]
+def set_input(socket: NodeSocket, value: Any) -> None:
     socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value

@@ -15,16 +15,21 @@ from ._tree import Tree
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from bpy.types import Node, NodeSocket
+
 REVISION_KEY = "vgroove_revision"
+SOCKETS_KEY = "vgroove_sockets"  # a group's sockets as they were built: identifier -> type and name
 
 
 def ensure(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.ShaderNodeTree:
     """The node group ``name`` at ``revision``; built if this .blend has none, or only one of another revision.
 
-    An older group keeps serving the materials that came with it; Blender gives the new one a numbered name.
+    An older group, or one whose sockets an artist renamed or removed, keeps serving the materials that use it; Blender
+    gives the new one a numbered name.
     """
     for group in bpy.data.node_groups:
-        if group.name.split(".")[0] == name and group.get(REVISION_KEY) == revision and group.library is None:
+        same = group.name.split(".")[0] == name and group.get(REVISION_KEY) == revision and group.library is None
+        if same and _as_built(group) == _sockets(group):
             return group
     return make(name, revision, build)
 
@@ -39,5 +44,42 @@ def make(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.S
         bpy.data.node_groups.remove(group)
         raise
     tree.arrange()
-    group[REVISION_KEY] = revision
+    group[REVISION_KEY], group[SOCKETS_KEY] = revision, _sockets(group)
     return group
+
+
+def remove_unused(group: bpy.types.ShaderNodeTree) -> None:
+    """Remove a group of ours that nothing uses, with the groups and scripts inside that nothing else uses."""
+    if group.users or REVISION_KEY not in group or group.library is not None:
+        return
+    groups = {node.node_tree.name for node in group.nodes if node.bl_idname == "ShaderNodeGroup" and node.node_tree}
+    texts = {node.script for node in group.nodes if node.bl_idname == "ShaderNodeScript"}
+    bpy.data.node_groups.remove(group)
+    for name in groups:
+        if (inner := bpy.data.node_groups.get(name)) is not None:  # it may have gone with another
+            remove_unused(inner)
+    for text in texts - {None}:
+        if text.users <= text.use_fake_user:
+            bpy.data.texts.remove(text)
+
+
+def inputs(node: Node) -> dict[str, NodeSocket]:
+    """The inputs of a group node by the names that we gave them, also where an artist renamed them in the group."""
+    built = _as_built(node.node_tree)
+    added = {socket.name: socket for socket in node.inputs if socket.identifier not in built}
+    return added | {name_of(socket): socket for socket in node.inputs if socket.identifier in built}
+
+
+def name_of(socket: NodeSocket) -> str:
+    """The name that we gave a socket of a group node."""
+    built = _as_built(socket.node.node_tree)
+    return built[socket.identifier].partition(" ")[2] if socket.identifier in built else str(socket.name)
+
+
+def _sockets(group: bpy.types.ShaderNodeTree) -> dict[str, str]:
+    items = [item for item in group.interface.items_tree if item.item_type == "SOCKET"]
+    return {item.identifier: f"{item.socket_type} {item.name}" for item in items}
+
+
+def _as_built(group: bpy.types.ShaderNodeTree) -> dict[str, str]:
+    return group[SOCKETS_KEY].to_dict() if SOCKETS_KEY in group else {}

@@ -93,20 +93,32 @@ def table(course: Sequence[Key]) -> str:
 
 
 def keys_of(group: ShaderNodeTree) -> dict[str, list[Key]]:
-    """The keys of each parameter as the group's ramps, or its scripts' texts, have them now."""
-    output = next(node for node in group.nodes if node.bl_idname == "NodeGroupOutput")
+    """The keys of each parameter as the group's ramps, or its scripts' texts, have them now.
+
+    A parameter whose nodes an artist replaced by others is left out.
+    """
+    output = next((node for node in group.nodes if node.bl_idname == "NodeGroupOutput"), None)
     found = {}
-    for socket in output.inputs:
+    for socket in output.inputs if output else ():
         if socket.is_linked:
             last = socket.links[0].from_node
-            found[socket.name] = _of_text(last.script) if last.bl_idname == "ShaderNodeScript" else _of_ramps(last)
+            is_script = last.bl_idname == "ShaderNodeScript" and last.script is not None
+            keys = _of_text(last.script) if is_script else _of_ramps(last) if _is_ramp(last) else []
+            if keys:
+                found[socket.name] = keys
     return found
+
+
+def _is_ramp(node: Node) -> bool:
+    return {"Before", "After", "Start", "End"} <= {socket.name for socket in node.inputs}
 
 
 def _of_ramps(last: Node) -> list[Key]:
     ramps = [last]
     while ramps[0].inputs["Before"].is_linked:
         ramps.insert(0, ramps[0].inputs["Before"].links[0].from_node)
+        if not _is_ramp(ramps[0]):
+            return []
     course = [(ramps[0].inputs["Start"].default_value, _plain(ramps[0].inputs["Before"].default_value))]
     for node in ramps:
         start, after = node.inputs["Start"].default_value, _plain(node.inputs["After"].default_value)
@@ -123,6 +135,8 @@ def _of_text(text: Text) -> list[Key]:
         [float(one) for line in re.findall(rf"#define {name} {{(.*)}}", content) for one in re.findall(number, line)]
         for name in ("AGES", "VALUES")
     )
+    if len(values) != len(ages) * (1 if "#define KIND float" in content else 3):
+        return []
     if "#define KIND float" in content:
         return list(zip(ages, values, strict=True))
     colors = [(r, g, b) for r, g, b in zip(values[::3], values[1::3], values[2::3], strict=True)]

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from vgroove.addon import animation, check, check_time, gonio, headless, images, material, sequence
+from vgroove.addon import animation, check, check_time, gonio, headless, images, material, origin, sequence
 from vgroove.addon.animation import AnimationError, Play
 from vgroove.addon.material import Choice, MaterialError, build, lamps_to_bind
 from vgroove.addon.presets import find, parse, shipped
@@ -199,7 +199,7 @@ def test_a_material_that_stands_still_has_nothing_of_time(blender):
                 one = build(find(name), Choice(backend, "fit"))
             assert one.node_tree.animation_data is None
             assert one.animation_data is None
-            assert material.TIME not in one
+            assert origin.read(one).play is None
             assert not material.plays(one)
     assert len(blender.data.actions) == 0
     names = [group.name for group in blender.data.node_groups]
@@ -482,7 +482,7 @@ def test_removing_leaves_the_moment_and_nothing_else(blender, driving, backend):
     assert len(blender.data.actions) == 0
     assert {group.name for group in blender.data.node_groups} == groups
     assert not [text for text in blender.data.texts if "trajectory" in text.name]
-    assert [node.label for node in one.node_tree.nodes if node.label.startswith("Lamp")] == ["Lamp 1: SUN 1"]
+    assert [node.label for node in one.node_tree.nodes if node.label.startswith("Light")] == ["Light 1: SUN 1"]
 
 
 def test_a_course_can_be_added_again_and_reset(blender):

@@ -251,8 +251,8 @@ def test_what_absorbs_nothing_has_no_volume(blender):
     amber = parse(AMBER, "a/amber", "a/amber")
     for preset in (amber.with_parameters(absorption=(0, 0, 0)), parse('kind = "thin"\n' + AMBER, "a/b", "a/b")):
         made = material.build(preset, material.Choice("nodes", "mirror"))
-        assert not any(node.label == material.ABSORPTION for node in made.node_tree.nodes)
+        assert not any(node.label == "Absorption" for node in made.node_tree.nodes)
     made = material.build(amber, material.Choice("nodes", "mirror"))
-    node = next(node for node in made.node_tree.nodes if node.label == material.ABSORPTION)
+    node = next(node for node in made.node_tree.nodes if node.label == "Absorption")
     node.inputs[0].default_value = (1.0, 2.0, 3.0, 1.0)
     assert material.origin_of(made).preset.parameters["absorption"] == (1.0, 2.0, 3.0)

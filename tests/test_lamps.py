@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vgroove import nodegroups
-from vgroove.addon import advice, check, follow, gonio, headless, lamps, material
+from vgroove.addon import advice, check, follow, gonio, headless, lamps, material, roles
 from vgroove.addon.material import lamps_to_bind
 from vgroove.nodegroups import lamp as lamp_group
 from vgroove.nodegroups import osl_script, random_numbers
@@ -421,7 +421,7 @@ def test_a_lamp_of_no_size_draws_nothing_at_random(blender):
         made = material.build(
             check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
         )
-        node = next(node for node in made.node_tree.nodes if node.label.startswith("Lamp 1"))
+        node = next(node for node in made.node_tree.nodes if node.label.startswith("Light 1"))
         assert not {"Stream", "Radius", "Angle", "Soft Falloff"} & set(node.inputs.keys())
         (light,) = (inner for inner in node.node_tree.nodes if inner.bl_idname == "ShaderNodeGroup")
         assert not any(inner.label.startswith("VGroove Random") for inner in light.node_tree.nodes)
@@ -430,7 +430,7 @@ def test_a_lamp_of_no_size_draws_nothing_at_random(blender):
             check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
         )
         assert sized is not made
-        node = next(node for node in sized.node_tree.nodes if node.label.startswith("Lamp 1"))
+        node = next(node for node in sized.node_tree.nodes if node.label.startswith("Light 1"))
         assert "Stream" in node.inputs
         blender.data.objects.remove(item)
 
@@ -666,6 +666,20 @@ def test_while_the_extension_is_on_lights_are_followed(bound, following, change)
         assert list(stage[lamps.RIG].keys()) == [lamps.PLAN]
     else:
         assert strength(CHANGES[change])[0] == pytest.approx(level, rel=1e-6)
+
+
+def test_while_the_extension_is_on_materials_ask_for_lights_that_come(bound, following):
+    """A second sun and a point come: the material is rebuilt in place, with the artist's value."""
+    blender, stage, _, made, strength = bound
+    node = roles.node(made, roles.MODEL)
+    node.inputs["Slope m"].default_value = 0.27
+    for kind in ("SUN", "POINT"):
+        stage.collection.objects.link(make_lamp(blender, kind, f"Late {kind}"))
+    blender.context.view_layer.update()
+    assert material.bound_slots(made) == {"SUN 1", "SUN 2", "POINT 1"}
+    assert strength("POINT 1")[0] > 0
+    assert roles.node(made, roles.MODEL).inputs["Slope m"].default_value == pytest.approx(0.27)
+    assert stage.objects["Ball"].active_material == made
 
 
 def test_handlers_leave_nothing_behind():

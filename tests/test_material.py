@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from vgroove.addon import automatic, check, gonio, headless, material, presets
+from vgroove.addon import automatic, check, gonio, headless, material, presets, slots
 from vgroove.addon.material import Choice, MaterialError, build, lamps_to_bind
 
 pytestmark = pytest.mark.blender
@@ -93,7 +93,7 @@ def test_applying_fills_the_active_slot_of_what_can_have_a_material(blender):
     for item in (mesh, slotted, lamp, empty):
         stage.collection.objects.link(item)
     made = build(check.materials()["schlick"], Choice())
-    assert material.apply(made, [mesh, slotted, lamp, empty]) == 2
+    assert slots.apply(made, [mesh, slotted, lamp, empty]) == 2
     assert mesh.active_material is made
     assert slotted.active_material is made
     assert len(slotted.material_slots) == 1

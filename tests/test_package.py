@@ -108,7 +108,7 @@ def test_the_zip_installs_enables_and_applies_without_a_warning(archive, tmp_pat
     result, errors = in_a_new_blender(INSTALL, tmp_path, archive)
     assert result["states"] == [True, False, True]
     assert result["done"] == ["FINISHED"]
-    assert result["material"] == "Copper (Mirror)"
+    assert result["material"] == "Copper"
     assert result["warnings"] == {}
     own = result["own"]
     assert own["liked"] == ["lecture/copper", "", "lecture/copper"]

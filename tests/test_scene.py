@@ -3,9 +3,8 @@
 
 import pytest
 
-from vgroove.addon import advice, automatic, headless, lamps, material, presets, scene
+from vgroove.addon import advice, automatic, headless, lamps, material, presets, roles, scene
 from vgroove.addon.material import lamps_to_bind
-from vgroove.addon.reference.hybrid import DEFAULT_BOUND
 from vgroove.nodegroups.lamp import can_cast_shadows
 
 pytestmark = pytest.mark.blender
@@ -184,21 +183,24 @@ def test_a_lamp_added_after_a_material_is_said_and_bound_anew(stage, estimator):
     assert "POINT 1" in material.bound_slots(ball.active_material)
     origin = material.origin_of(ball.active_material)
     assert origin.preset.m == pytest.approx(0.4)
-    assert origin.bound == pytest.approx(0.01 if estimator == "hybrid" else DEFAULT_BOUND)
+    assert origin.bound == pytest.approx(0.01)
     lamp.name = "Renamed"
     assert stale() == []
 
 
 def test_what_is_linked_to_a_material_is_not_lost_by_a_button(stage):
-    """With a texture on it there is no button, only the text."""
+    """A texture on it stays, and so does the material itself."""
     preset = presets.find("lecture/copper")
     made = material.build(preset, material.Choice("nodes", "mirror"))
     with_ball(stage, made)
-    node = next(n for n in made.node_tree.nodes if n.label == preset.name)
-    made.node_tree.links.new(made.node_tree.nodes.new("ShaderNodeTexNoise").outputs[0], node.inputs["Slope m"])
+    node = roles.node(made, roles.MODEL)
+    noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
+    made.node_tree.links.new(noise.outputs[0], node.inputs["Slope m"])
     add_lamp(stage, "Late")
     (problem,) = (p for p in advice.problems_with(stage, preset, "nodes", "mirror") if p.key.startswith("stale"))
-    assert problem.mend is None
+    problem.mend()
+    assert node.inputs["Slope m"].links[0].from_node == noise
+    assert material.bound_slots(made) == {"POINT 1"}
 
 
 def test_a_bound_lamp_that_gets_a_size_is_not_counted_twice(stage):

@@ -63,7 +63,7 @@ def test_apply_gives_the_preset_to_selected_objects(extension, backend, estimato
     with headless.quiet():
         assert extension.ops.vgroove.apply() == {"FINISHED"}
     made = extension.context.object.active_material
-    assert made.name.startswith("Copper (")
+    assert made.name.startswith("Copper")
     node = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup" and "F0" in node.inputs)
     assert tuple(node.inputs["F0"].default_value)[:3] == pytest.approx((0.95, 0.64, 0.54))
 
@@ -140,7 +140,14 @@ def test_what_changes_the_file_is_undone(extension):
     """And what does not makes no step to undo."""
     from vgroove.addon.ui import operators
 
-    change = {"vgroove.apply", "vgroove.mend", "vgroove.reset", "vgroove.save_preset", "vgroove.import_preset"}
+    change = {
+        "vgroove.apply",
+        "vgroove.update",
+        "vgroove.mend",
+        "vgroove.reset",
+        "vgroove.save_preset",
+        "vgroove.import_preset",
+    }
     assert {one.bl_idname for one in operators.CLASSES if "UNDO" in one.bl_options} == change
 
 
@@ -470,7 +477,7 @@ def test_each_change_of_a_course_is_one_undo_step(extension, rusting, operator):
 
     def state():
         one = extension.data.materials[name]
-        return material._state(one), [group.name for group in extension.data.node_groups], len(extension.data.actions)
+        return material.state_of(one), [group.name for group in extension.data.node_groups], len(extension.data.actions)
 
     name = made.name
     extension.context.scene.vgroove_course.length = 33.0

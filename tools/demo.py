@@ -25,7 +25,7 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402
 
-from vgroove.addon import check, material, presets, scene  # noqa: E402
+from vgroove.addon import check, material, presets, scene, slots  # noqa: E402
 from vgroove.addon.material import lamps_to_bind  # noqa: E402
 
 NAMES = ("water", "plastic", "glass", "diamond", "copper", "aluminium")
@@ -39,7 +39,7 @@ def render(preset: presets.Preset, path: Path) -> None:
         shown = scene.preview()
         lamps = lamps_to_bind(shown, "mirror")
         made = material.build(preset, material.Choice("nodes", "mirror", lamps))
-        material.apply(made, [shown.objects["Ball"]])
+        slots.apply(made, [shown.objects["Ball"]])
         scene.still(shown, path, samples=SAMPLES, seed=0, resolution=TILE)
 
 

@@ -27,7 +27,7 @@ headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
 
-from vgroove.addon import automatic, material, presets, scene  # noqa: E402
+from vgroove.addon import automatic, material, presets, scene, slots  # noqa: E402
 from vgroove.addon.files import replacing  # noqa: E402
 from vgroove.addon.material import lamps_to_bind  # noqa: E402
 
@@ -143,7 +143,7 @@ def render(shown: bpy.types.Scene, preset: presets.Preset, path: Path) -> None:
     estimator = automatic.pick_estimator(shown, preset)
     lamps = lamps_to_bind(shown, estimator, preset.model)
     made = material.build(preset, material.Choice("nodes", estimator, lamps))
-    material.apply(made, [shown.objects["Body"]])
+    slots.apply(made, [shown.objects["Body"]])
     path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as temporary:
         shown.render.filepath = str(temporary)

@@ -14,7 +14,7 @@ import bpy
 import previews  # prepares Blender
 from PIL import Image, ImageDraw, ImageFont
 
-from vgroove.addon import animation, automatic, headless, material, presets
+from vgroove.addon import animation, automatic, headless, material, presets, slots
 from vgroove.addon.material import lamps_to_bind
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def frames(shown: bpy.types.Scene, preset: Preset, clock: tuple[float, float] | 
     made = material.build(preset, material.Choice("nodes", estimator, lamps, play=play))
     if clock:
         let_spread(made, *clock)
-    material.apply(made, [shown.objects["Body"]])
+    slots.apply(made, [shown.objects["Body"]])
     pictures = []
     for frame in range(1, MOMENTS + 1):
         shown.frame_set(frame)

@@ -10,7 +10,7 @@ import bpy
 
 from ...nodegroups.osl_script import OslError
 from ...nodegroups.trajectory import AGE, OFFSET, RATE
-from .. import animation, material, presets
+from .. import animation, material, preset_files, presets
 from ..preset_checks import PresetError
 from ..reference.keyframes import TOLERANCE, TOLERANCES
 from . import properties
@@ -28,7 +28,7 @@ CURVES = (
 def ours(context: bpy.types.Context) -> list[bpy.types.Material]:
     """The active materials of the selected objects that came from a preset and can be edited, each once."""
     found = [item.active_material for item in context.selected_objects if item.active_material]
-    return list(dict.fromkeys(one for one in found if material.KEY in one and one.library is None))
+    return list(dict.fromkeys(one for one in found if material.is_ours(one) and not material.locked(one)))
 
 
 def moving(context: bpy.types.Context) -> list[bpy.types.Material]:
@@ -62,6 +62,7 @@ class _Course:
         chosen = type(self).needs(context)
         try:
             for one in chosen:
+                material.upgrade(one)
                 animation.make_own(one)
                 self.do(context, one)
         except (animation.AnimationError, PresetError, material.MaterialError, OslError) as error:
@@ -225,11 +226,16 @@ def play_of(shown: bpy.types.Scene) -> animation.Play:
 
 
 @cache
-def key_count(identity: str, tolerance: float, interpolation: str) -> int:
-    """How many keys a preset's course takes."""
+def _key_count(course: str, tolerance: float, interpolation: str) -> int:
     play = animation.Play(tolerance=tolerance, interpolation=interpolation)
-    found = animation.keyframes(presets.all_presets()[identity].trajectory(), play)
+    preset = presets.parse(course, "counted", "counted")
+    found = animation.keyframes(preset.trajectory(), play)
     return sum(keys.times.size for keys in found.values())
+
+
+def key_count(preset: presets.Preset, tolerance: float, interpolation: str) -> int:
+    """How many keys a preset's course takes. Kept by what the preset holds: a file of the user's may change."""
+    return _key_count(preset_files.dumps(preset), tolerance, interpolation)
 
 
 class VGROOVE_PT_course(bpy.types.Panel):
@@ -286,7 +292,7 @@ def draw_settings(layout: bpy.types.UILayout, settings: VGrooveCourse, preset: p
         shape = settings.interpolation if settings.driving == "curves" else "linear"
         split = column.split(factor=0.4)
         split.label()
-        split.label(text=f"{key_count(preset.id, round(settings.tolerance / 100.0, 9), shape)} keys")
+        split.label(text=f"{key_count(preset, round(settings.tolerance / 100.0, 9), shape)} keys")
 
 
 def draw_clocks(layout: bpy.types.UILayout, found: Iterable[bpy.types.Material]) -> None:
@@ -297,8 +303,7 @@ def draw_clocks(layout: bpy.types.UILayout, found: Iterable[bpy.types.Material])
             continue
         column = layout.column()
         column.label(text=one.name, icon="MATERIAL")
-        for name in (AGE, RATE, OFFSET):
-            socket = node.inputs[name]
+        for name, socket in zip((AGE, RATE, OFFSET), animation.clock(node), strict=True):
             if socket.is_linked:
                 column.label(text=f"{name}: from a texture", icon="TEXTURE")
             else:

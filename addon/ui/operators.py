@@ -11,15 +11,18 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...nodegroups.osl_script import OslError
-from .. import advice, animation, automatic, material, preset_files, presets
+from .. import advice, animation, automatic, material, preset_files, presets, slots
 from ..files import replacing
 from ..material import lamps_to_bind
 from ..preset_checks import PresetError
+from ..rebuild import AS_IT_IS, rebuild, reset
 from . import course, memory
 from .properties import chosen_preset
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+REFUSALS = (material.MaterialError, animation.AnimationError, PresetError, OslError)  # told in words
 
 
 class VGROOVE_OT_apply(bpy.types.Operator):
@@ -41,25 +44,97 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        settings = context.scene.vgroove
-        estimator = chosen_estimator(context.scene)
+        settings, in_parts = context.scene.vgroove, slots.in_parts(context)
+        refused = [text for item in context.selected_objects if (text := slots.refusal(item))]
+        able = [item for item in context.selected_objects if not slots.refusal(item)]
+        if not able:
+            self.report({"ERROR"}, _in_one_line(refused))
+            return {"CANCELLED"}
+        if in_parts and not slots.parts_selected(context):
+            self.report({"ERROR"}, "No face is selected; select those that should get the material, or leave Edit Mode")
+            return {"CANCELLED"}
         try:
-            preset = chosen_preset(settings)
-            lamps = lamps_to_bind(context.scene, estimator, preset.model)
+            preset, backend, estimator = chosen_preset(settings), settings.backend, chosen_estimator(context.scene)
+            bound = settings.bound / 100.0
             play = course.play_of(context.scene) if preset.time and context.scene.vgroove_course.play else None
-            choice = material.Choice(settings.backend, estimator, lamps, bound=settings.bound / 100.0, play=play)
-            made = material.build(preset, choice)
-        except (material.MaterialError, animation.AnimationError, OslError) as error:
+            same = {} if in_parts else {item: item.active_material for item in able if _is_of(item, preset)}
+            lost = []
+            for made in dict.fromkeys(same.values()):
+                lost += rebuild(
+                    made, context.scene, backend=backend, estimator=estimator, bound=bound,
+                    play=play if preset.time else AS_IT_IS,
+                )  # fmt: skip
+            others = [item for item in able if item not in same]
+            if others:
+                lamps = lamps_to_bind(context.scene, estimator, preset.model)
+                new = material.build(preset, material.Choice(backend, estimator, lamps, bound=bound, play=play))
+                if in_parts:
+                    slots.give_to_parts(new, context)
+                else:
+                    slots.apply(new, others)
+        except REFUSALS as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        count = material.apply(made, context.selected_objects)
-        if not count:
-            self.report({"WARNING"}, "None of the selected objects can have a material; select a mesh, curve or text")
-            return {"CANCELLED"}
         memory.used(preset.id)
-        self.report(
-            {"INFO"}, f"{made.name} ({estimator}, {settings.backend}) given to {count} object{'s' * (count > 1)}"
-        )
+        count = f"{len(able)} object{'s' * (len(able) > 1)}"
+        text = f"{preset.name} ({estimator}, {backend}) given to {'what is selected in ' * in_parts}{count}"
+        if also := [item.name for item in slots.sharing(able) if item not in able]:
+            text += f", and to {', '.join(also)}, which share{'s' * (len(also) == 1)} their mesh"
+        self.report({"WARNING"} if refused or lost else {"INFO"}, ". ".join([text, *lost, *refused[:1]]))
+        return {"FINISHED"}
+
+
+def _is_of(item: bpy.types.Object, preset: presets.Preset) -> bool:
+    """Whether an object's active material was built from just this preset and can be changed in place."""
+    made = item.active_material
+    if made is None or not material.is_ours(made) or material.locked(made):
+        return False
+    known = material.preset_of(made)
+    wanted = {"id", "name", "model", "kind", "coupled", "parameters"}
+    return all(getattr(known, name) == getattr(preset, name) for name in wanted)
+
+
+def _in_one_line(texts: list[str]) -> str:
+    """The first reason, and how many more there are."""
+    more = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
+    return f"{texts[0]}{more}" if texts else "Nothing is selected"
+
+
+class VGROOVE_OT_update(bpy.types.Operator):
+    """Rebuild the materials of the selected objects in place, by the estimator above and for the scene's lights."""
+
+    bl_idname = "vgroove.update"
+    bl_label = "Update"
+    bl_description = (
+        "Rebuild the materials of the selected objects in place, by the choice above and for the scene's lights. "
+        "Values, textures, links and keys stay"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not course.ours(context):
+            cls.poll_message_set("Select objects whose active material came from this panel and can be changed here")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        settings, chosen, lost = context.scene.vgroove, course.ours(context), []
+        try:
+            for made in chosen:
+                estimator = settings.estimator
+                if estimator == "auto":
+                    estimator = automatic.pick(
+                        context.scene, material.origin_of(made).preset, settings.backend
+                    ).estimator
+                bound = settings.bound / 100.0 if estimator == "hybrid" else None
+                said = rebuild(made, context.scene, backend=settings.backend, estimator=estimator, bound=bound)
+                lost += [f"{made.name}: {text}" for text in said]
+        except REFUSALS as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        names = ", ".join(one.name for one in chosen)
+        self.report({"WARNING"} if lost else {"INFO"}, ". ".join([f"Updated: {names}", *lost]))
         return {"FINISHED"}
 
 
@@ -137,7 +212,15 @@ class VGROOVE_OT_reset(bpy.types.Operator):
         return _poll_ours(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        material.reset(ours(context))
+        made = ours(context)
+        assert made is not None  # noqa: S101 - poll saw to it
+        try:
+            left = reset(made, context.scene)
+        except REFUSALS as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if left:
+            self.report({"WARNING"}, ". ".join([f"{made.name} has the preset's numbers again", *left]))
         return {"FINISHED"}
 
 
@@ -156,17 +239,20 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
         return _poll_folder(cls) and _poll_ours(cls, context)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        self.name = f"My {material.origin_of(ours(context)).preset.name}"[:60]
+        self.name = f"My {material.preset_of(ours(context)).name}"[:60]
         return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         made = ours(context)
-        preset = material.kept(made)
-        known = presets.all_presets().get(preset.id)
+        try:
+            preset = material.to_preset(made)
+        except REFUSALS as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         source = dict(preset.source)
         if material.is_edited(made):
             source |= {"data": f"edited from {preset.id}, whose source is: {source['data']}"}
-        kept = replace(preset, name=self.name, source=source, tags=known.tags if known else ())
+        kept = replace(preset, name=self.name, source=source)
         return _keep(self, context, lambda folder: preset_files.save(kept, folder))
 
 
@@ -186,7 +272,7 @@ class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
         return _poll_folder(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        return _keep(self, context, lambda folder: preset_files.take(Path(self.filepath), folder))
+        return _keep(self, context, lambda folder: preset_files.take(Path(bpy.path.abspath(self.filepath)), folder))
 
 
 class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
@@ -205,7 +291,7 @@ class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
         return ExportHelper.invoke(self, context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        path = Path(self.filepath)
+        path = Path(bpy.path.abspath(self.filepath))  # Blender's file browser gives "//" for the .blend's folder
         try:
             with replacing(path) as temporary:
                 temporary.write_text(preset_files.dumps(chosen_preset(context.scene.vgroove)), encoding="utf-8")
@@ -240,7 +326,10 @@ def _poll_folder(operator: type[bpy.types.Operator]) -> bool:
 
 def _poll_ours(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     if ours(context) is None:
-        operator.poll_message_set("Select an object whose active material came from this panel")
+        item = context.object
+        made = item.active_material if item else None
+        reason = material.locked(made) if made and material.is_ours(made) else ""
+        operator.poll_message_set(reason or "Select an object whose active material came from this panel")
         return False
     return True
 
@@ -249,7 +338,7 @@ def ours(context: bpy.types.Context) -> bpy.types.Material | None:
     """The active object's active material, if it came from a preset and can be edited."""
     item = context.object
     made = item.active_material if item else None
-    return made if made and material.KEY in made and made.library is None else None
+    return made if made and material.is_ours(made) and not material.locked(made) else None
 
 
 def citation(preset: presets.Preset) -> str:
@@ -279,6 +368,7 @@ def current_problems(shown: bpy.types.Scene) -> list[advice.Problem]:
 
 CLASSES = (
     VGROOVE_OT_apply,
+    VGROOVE_OT_update,
     VGROOVE_OT_mend,
     VGROOVE_OT_favourite,
     VGROOVE_OT_copy_citation,

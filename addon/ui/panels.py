@@ -62,12 +62,16 @@ class VGROOVE_PT_parameters(_InSidebar, bpy.types.Panel):
             return
         layout.label(text=made.name, icon="MATERIAL")
         column = layout.column()
-        for socket in material.parameter_sockets(made).values():
+        sockets = material.parameter_sockets(made).values()
+        if not sockets:
+            lines(layout, "Its node group was deleted; Reset to Preset makes it again", context.region.width)
+        for socket in sockets:
             if not socket.is_linked:
                 column.prop(socket, "default_value", text=socket.name)
         row = layout.row()
         row.enabled = material.is_edited(made)
         row.operator("vgroove.reset", icon="LOOP_BACK")
+        layout.operator("vgroove.update", icon="FILE_REFRESH")
         layout.operator("vgroove.save_preset", icon="FILE_TICK")
 
 
