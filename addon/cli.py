@@ -253,7 +253,7 @@ def render(
         what, source, [(name, asdict(preset)) for name, preset in changed], play and asdict(play), str(backend),
         str(estimator), bound, shown.cycles.samples, seed, size, shutter, _versions(),
     ]  # fmt: skip
-    _sequence(shown, span, output, wanted, shutter=shutter, samples=samples, seed=seed, resolution=size)
+    _sequence(shown, span, output, wanted, movie, shutter=shutter, samples=samples, seed=seed, resolution=size)
     paths = [_numbered(output, frame) for frame in span]
     if strip:
         with headless.quiet():
@@ -306,9 +306,11 @@ def _all_changed(
     return [(name, _changed(preset, settings, at_time if preset.time else None)) for name, preset in assigned]
 
 
-def _sequence(shown: Any, span: Sequence[int], output: Path, wanted: Any, **settings: Any) -> None:
+def _sequence(shown: Any, span: Sequence[int], output: Path, wanted: Any, movie: Path | None, **settings: Any) -> None:
     from . import headless, scene, sequence
 
+    if movie is not None:
+        sequence.check_size(settings["resolution"] or scene.size(shown))
     if not scene.remembers(shown):
         shown.render.use_persistent_data = True  # Cycles is given only what changes from frame to frame
     kept, note = 0, sequence.note(wanted)

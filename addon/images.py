@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 SPARE = 2**20  # bytes beside a picture below which a disk is full
+MAGIC = b"\x76\x2f\x31\x01", b"\x89PNG\r\n\x1a\n"  # first bytes of an EXR and of a PNG
 TALLEST = 4  # of a tile, over its width
 
 
@@ -67,12 +68,15 @@ def save(path: Path, picture: NDArray[np.floating], shown: Scene, attributes: Ma
 
 @contextmanager
 def opened(path: Path) -> Iterator[Any]:
-    """A file as OpenImageIO reads it; None if it is no picture, cannot be read, or is larger than any of ours."""
+    """An EXR or a PNG as OpenImageIO reads it; None if it is none, cannot be read, or is larger than any of ours.
+
+    OpenImageIO itself would try each of its formats in turn, which takes minutes for a large file that is of none.
+    """
     import OpenImageIO as oiio  # noqa: N813 - as in write
 
     try:
-        with readable(path) as found:
-            file = oiio.ImageInput.open(str(found))
+        with readable(path) as found, found.open("rb") as begin:
+            file = oiio.ImageInput.open(str(found)) if begin.read(8).startswith(MAGIC) else None
     except OSError:
         file = None
     if file is None:

@@ -153,6 +153,13 @@ def opened(path: Path) -> Scene:
     return bpy.context.scene
 
 
+def size(scene: Scene) -> tuple[int, int]:
+    """Pixels of the scene's own render."""
+    render = scene.render
+    width, height = (side * render.resolution_percentage // 100 for side in (render.resolution_x, render.resolution_y))
+    return width, height
+
+
 def composites(scene: Scene) -> bool:
     """Whether the compositor has a say in the scene's picture."""
     if bpy.app.version < (5, 0, 0):  # goes with 4.5 LTS

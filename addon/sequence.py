@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOVIES = {".mp4": ("MPEG4", "H264"), ".webm": ("WEBM", "WEBM")}  # container and codec
+SMALLEST = 16  # pixels of a side that FFmpeg's codecs take
 MOMENTS = 16  # at which an exposed frame is rendered: a power of two, which divides usual numbers of samples
 MOST_TILES, TILE_WIDTH, LABEL_HEIGHT, GAP = 8, 240, 26, 4  # of a strip; pixels
 PAPER, INK, TEXT_SIZE = 1.0, 0.15, 15
@@ -119,6 +120,13 @@ def _label(text: str) -> NDArray[np.float32]:
 
 
 # Movie
+
+
+def check_size(size: tuple[int, int]) -> None:
+    """SceneError for frames that are too small for a movie."""
+    if min(size) < SMALLEST:
+        message = f"--movie: frames of {size[0]}x{size[1]} are too small; codecs need {SMALLEST}x{SMALLEST} or more"
+        raise SceneError(message)
 
 
 def check_movie(path: Path) -> None:

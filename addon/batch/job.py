@@ -152,22 +152,22 @@ def parse(text: str, where: str, folder: Path) -> list[Task]:
     if not tables:
         message = f'{where}: nothing to render; add a table [[render]] with preset = "copper"'
         raise JobError(message)
-    found: dict[str, Task] = {}
-    count = 0
+    grids, count = [], 0
     for number, table in enumerate(tables, 1):
         here = f"{where}: render {number}"
-        grid = _Grid(here, as_typed(here, "[[render]]", table, dict), folder)
-        count += grid.count
+        grids.append(_Grid(here, as_typed(here, "[[render]]", table, dict), folder))
+        count += grids[-1].count
         if count > MOST_TASKS:
-            message = f"{here}: makes {shown(count)} tasks, more than {MOST_TASKS}; make several jobs of it"
+            message = f"{here}: makes {shown(count)} tasks in all, more than {MOST_TASKS}; make several jobs of it"
             raise JobError(message)
+    found: dict[str, Task] = {}
+    for grid in grids:
         for task in grid.tasks():
             name = task.identity({})
             same = found.setdefault(name, task)
             if same.scene != task.scene:
-                message = (
-                    f"{here}: {task.scene} and {same.scene} are the same file, and would be one still; name one of them"
-                )
+                pair = f"{task.scene} and {same.scene}"
+                message = f"{grid.where}: {pair} are the same file, and would be one still; name one of them"
                 raise JobError(message)
             more = tuple(kind for kind in task.outputs if kind not in same.outputs)
             if more:  # a table that came before wanted less of it
