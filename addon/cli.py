@@ -3,18 +3,20 @@
 
 from __future__ import annotations
 
-import hashlib
+import errno
 import importlib.util
 import json
 import math
 import re
 import sys
+import tempfile
 import time
-from contextlib import closing
+import warnings
+from contextlib import closing, contextmanager
 from dataclasses import asdict, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 from rich.console import Console
@@ -22,10 +24,10 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from . import presets
-from .batch.job import PREVIEW_SAMPLES, PREVIEW_SIZE
-from .files import check_writable, replacing
-from .preset_checks import PresetError
+from . import inputs, presets
+from .batch.job import PREVIEW_SAMPLES, PREVIEW_SIZE, digest_of
+from .files import check_writable, is_plain, replacing, write_text
+from .inputs import MOST_MEGABYTES, MOST_SAMPLES, MOST_SEED, MOST_WORKERS, InputError
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 from .reference.keyframes import TOLERANCE
 
@@ -39,6 +41,9 @@ if TYPE_CHECKING:
     from .report.record import Record
 
 INTERRUPTED = 130  # exit code, as shells have it
+LONGEST_LINE = 1000  # characters of what is said of an error
+BROKEN_MACHINE = {errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ENOMEM, errno.EMFILE}  # no fault of the input
+T = TypeVar("T")
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__, rich_markup_mode=None)
 out, err = Console(), Console(stderr=True)
 
@@ -73,8 +78,24 @@ class Part(StrEnum):
     FIGURES = "figures"
 
 
-class InputError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+def _whole(low: int, high: int) -> Callable[[Any], int]:
+    """Reads a whole number of the command line."""
+    return _option(lambda text: inputs.whole(text, low, high))
+
+
+def _real(low: float = -math.inf, high: float = math.inf) -> Callable[[Any], float]:
+    """Reads a number of the command line."""
+    return _option(lambda text: inputs.real(text, low, high))
+
+
+def _option(read: Callable[[str], T]) -> Callable[[Any], T]:
+    def parsed(value: Any) -> T:  # a default is a number already
+        try:
+            return read(str(value))
+        except InputError as error:
+            raise typer.BadParameter(str(error)) from error
+
+    return parsed
 
 
 SetOption = Annotated[
@@ -84,12 +105,15 @@ SetOption = Annotated[
 BackendOption = Annotated[Backend, typer.Option(help="nodes: every device; osl: CPU and OptiX")]
 BoundOption = Annotated[
     float,
-    typer.Option(min=BOUNDS[0], max=BOUNDS[1], help="hybrid: how much of the reflected light may be wrong"),
+    typer.Option(parser=_real(*BOUNDS), metavar="SHARE", help="hybrid: how much of the reflected light may be wrong"),
 ]
-SamplesOption = Annotated[int, typer.Option(min=1, help="Samples a pixel")]
-SeedOption = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of Cycles' random numbers")]
+SamplesOption = Annotated[int, typer.Option(parser=_whole(1, MOST_SAMPLES), metavar="N", help="Samples a pixel")]
+SeedOption = Annotated[int, typer.Option(parser=_whole(0, MOST_SEED), metavar="N", help="Of Cycles' random numbers")]
 TimeOption = Annotated[
-    float | None, typer.Option("--time", help="Time in the preset's own unit; for presets that change over time")
+    float | None,
+    typer.Option(
+        "--time", parser=_real(), metavar="T", help="Time in the preset's own unit; for presets that change over time"
+    ),
 ]
 
 
@@ -131,7 +155,11 @@ def render(
     ],
     *,
     assign: Annotated[
-        list[str] | None, typer.Option(metavar="OBJECT=PRESET", help="Give an object of the scene a preset")
+        list[str] | None,
+        typer.Option(
+            metavar="OBJECT[:SLOT]=PRESET",
+            help="Give an object of the scene a preset, or one of its material slots, by name or by number from 1",
+        ),
     ] = None,
     settings: SetOption = None,
     backend: BackendOption = Backend.NODES,
@@ -150,13 +178,18 @@ def render(
         Driving, typer.Option(help="with --frames: F-curves on the inputs, or one keyed Age within the material")
     ] = Driving.CURVES,
     tolerance: Annotated[
-        float, typer.Option(help="with --frames: by how much of a parameter's range its keys may miss its law")
+        float,
+        typer.Option(
+            parser=_real(),
+            metavar="SHARE",
+            help="with --frames: by how much of a parameter's range its keys may miss its law",
+        ),
     ] = TOLERANCE,
     shutter: Annotated[
         float,
         typer.Option(
-            min=0.0,
-            max=1.0,
+            parser=_real(0.0, 1.0),
+            metavar="SHARE",
             help="with --frames: how much of a frame it is open, so that what changes within it is seen, materials too",
         ),
     ] = 0.0,
@@ -166,9 +199,14 @@ def render(
     movie: Annotated[
         Path | None, typer.Option(metavar="FILE", help="with --frames: a movie of the sequence, .mp4 or .webm")
     ] = None,
-    fps: Annotated[int, typer.Option(min=1, max=240, help="Frames a second of the movie")] = 24,
+    fps: Annotated[int, typer.Option(parser=_whole(1, 240), metavar="N", help="Frames a second of the movie")] = 24,
     samples: Annotated[
-        int | None, typer.Option(min=1, help="Samples a pixel; 128 for a preset, the scene's own for a .blend")
+        int | None,
+        typer.Option(
+            parser=_whole(1, MOST_SAMPLES),
+            metavar="N",
+            help="Samples a pixel; 128 for a preset, the scene's own for a .blend",
+        ),
     ] = None,
     seed: SeedOption = 0,
     resolution: Annotated[
@@ -178,12 +216,12 @@ def render(
     """Render a preset, or a .blend with presets assigned to its objects."""
     is_scene = what.endswith(".blend")
     span = _frames(frames, output)
-    size = _resolution(resolution) if resolution else None
+    size = _resolution(resolution) if resolution is not None else None
     _check_outputs(output, strip, movie, span, at_time)
     if shutter and not span:
         message = f"--shutter {shutter:g}: goes with --frames, each of which it exposes"
         raise InputError(message)
-    assigned = [_assignment(item) for item in assign or []] if is_scene else [("Ball", presets.find(what))]
+    assigned = _assignments(assign or []) if is_scene else [("Ball", presets.find(what))]
     changed = _all_changed(assigned, settings, at_time)
     if is_scene and not Path(what).is_file():
         message = f"{what}: no such scene; name a .blend file"
@@ -200,9 +238,9 @@ def render(
     with headless.quiet():
         shown = scene.opened(Path(what)) if is_scene else scene.preview()
         shown.cycles.samples = samples or (shown.cycles.samples if is_scene else PREVIEW_SAMPLES)
-        warnings = assignment.assign(shown, changed, str(backend), str(estimator), bound, play, where="--assign ")
-    for text in warnings:
-        err.print(f"warning: {text}", highlight=False, markup=False, soft_wrap=True)
+        advised = assignment.assign(shown, changed, str(backend), str(estimator), bound, play, where="--assign ")
+    for text in advised:
+        _say(f"warning: {text}")
     if not is_scene:
         size = size or PREVIEW_SIZE
     if not span:
@@ -210,12 +248,12 @@ def render(
             scene.still(shown, output, samples=samples, seed=seed, resolution=size)
         _say(f"wrote {output}")
         return
-    source = hashlib.sha256(Path(what).read_bytes()).hexdigest() if is_scene else ""
+    source = digest_of(Path(what)) if is_scene else ""
     wanted = [
         what, source, [(name, asdict(preset)) for name, preset in changed], play and asdict(play), str(backend),
         str(estimator), bound, shown.cycles.samples, seed, size, shutter, _versions(),
     ]  # fmt: skip
-    _sequence(shown, span, output, wanted, shutter=shutter, samples=samples, seed=seed, resolution=size)
+    _sequence(shown, span, output, wanted, movie, shutter=shutter, samples=samples, seed=seed, resolution=size)
     paths = [_numbered(output, frame) for frame in span]
     if strip:
         with headless.quiet():
@@ -230,13 +268,14 @@ def render(
 
 
 def _check_outputs(
-    output: Path, strip: Path | None, movie: Path | None, span: list[int], at_time: float | None
+    output: Path, strip: Path | None, movie: Path | None, span: Sequence[int], at_time: float | None
 ) -> None:
     """InputError or OSError, before any work, for outputs that could not be written or do not go together."""
     if output.suffix.lower() not in {".exr", ".png"}:
         message = f"{output}: unknown ending; use .exr (linear, float) or .png"
         raise InputError(message)
-    check_writable(output)
+    for place in {_numbered(output, span[0]), _numbered(output, span[-1])} if span else {output}:
+        check_writable(place)
     if span and at_time is not None:
         message = "--time shows one moment and --frames a sequence; give one of them"
         raise InputError(message)
@@ -267,9 +306,11 @@ def _all_changed(
     return [(name, _changed(preset, settings, at_time if preset.time else None)) for name, preset in assigned]
 
 
-def _sequence(shown: Any, span: list[int], output: Path, wanted: Any, **settings: Any) -> None:
+def _sequence(shown: Any, span: Sequence[int], output: Path, wanted: Any, movie: Path | None, **settings: Any) -> None:
     from . import headless, scene, sequence
 
+    if movie is not None:
+        sequence.check_size(settings["resolution"] or scene.size(shown))
     if not scene.remembers(shown):
         shown.render.use_persistent_data = True  # Cycles is given only what changes from frame to frame
     kept, note = 0, sequence.note(wanted)
@@ -280,7 +321,7 @@ def _sequence(shown: Any, span: list[int], output: Path, wanted: Any, **settings
     _say(f"wrote {len(span)} frames, {output}{left}")
 
 
-def _strip(paths: list[Path], span: list[int], changed: list[tuple[str, Preset]], output: Path) -> None:
+def _strip(paths: list[Path], span: Sequence[int], changed: list[tuple[str, Preset]], output: Path) -> None:
     """A contact strip, labelled by the time of the first preset that changes, or by frame."""
     from . import sequence
 
@@ -302,14 +343,18 @@ def measure(
     *,
     settings: SetOption = None,
     theta_i: Annotated[
-        float | None, typer.Option(metavar="DEG", min=0, max=89.99, help="Angle of the sun from the normal")
+        float | None, typer.Option(parser=_real(0.0, 89.99), metavar="DEG", help="Angle of the sun from the normal")
     ] = None,
     sun_angle: Annotated[
-        float, typer.Option(metavar="DEG", min=0, max=90, help="Full angle of the sun's disc; mirror needs one")
+        float,
+        typer.Option(parser=_real(0.0, 90.0), metavar="DEG", help="Full angle of the sun's disc; mirror needs one"),
     ] = 0.0,
     furnace: Annotated[bool, typer.Option(help="Directional albedo under a uniform white world")] = False,
     window: Annotated[
-        float, typer.Option(metavar="DEG", min=0, max=45, help="Half width around the mirror direction; 0: hemisphere")
+        float,
+        typer.Option(
+            parser=_real(0.0, 45.0), metavar="DEG", help="Half width around the mirror direction; 0: hemisphere"
+        ),
     ] = 0.0,
     at_time: TimeOption = None,
     resolution: Annotated[str, typer.Option(metavar="WxH")] = "64x64",
@@ -382,7 +427,10 @@ def explain(
     ] = None,
     backend: BackendOption = Backend.NODES,
     estimator: Annotated[Estimator, typer.Option(help="auto: by what the scene holds")] = Estimator.AUTO,
-    samples: Annotated[int | None, typer.Option(min=1, help="Samples a pixel, if not the scene's own")] = None,
+    samples: Annotated[
+        int | None,
+        typer.Option(parser=_whole(1, MOST_SAMPLES), metavar="N", help="Samples a pixel, if not the scene's own"),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="{material, estimator, backend, lines, size, advice} in place of tables")
     ] = False,
@@ -445,12 +493,21 @@ def batch(
         str | None, typer.Option("--tasks", metavar="A-B", help="Only these tasks, as --dry-run numbers them")
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes; by default one a core, as far as memory goes")
+        int | None,
+        typer.Option(
+            parser=_whole(1, MOST_WORKERS), metavar="N", help="Processes; by default one a core, as far as memory goes"
+        ),
     ] = None,
-    timeout: Annotated[float | None, typer.Option(min=1.0, metavar="S", help="Seconds that a task may take")] = None,
+    timeout: Annotated[
+        float | None, typer.Option(parser=_real(1.0), metavar="S", help="Seconds that a task may take")
+    ] = None,
     memory: Annotated[
         int | None,
-        typer.Option(min=256, metavar="MB", help="That a process may take; by default a share of what is free"),
+        typer.Option(
+            parser=_whole(256, MOST_MEGABYTES),
+            metavar="MB",
+            help="That a process may take; by default a share of what is free",
+        ),
     ] = None,
     cluster: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler, whose workers render: tcp://farm:8786")
@@ -517,7 +574,7 @@ def _part(tasks: list[Task], part: str | None) -> tuple[int, list[Task]]:
     """The tasks A to B, from 1, or the one A, of text "A-B" or "A"; the number of the first, and they."""
     if part is None:
         return 1, tasks
-    found = re.fullmatch(r"(\d{1,7})(?:-(\d{1,7}))?", part)
+    found = re.fullmatch(r"([0-9]{1,7})(?:-([0-9]{1,7}))?", part)
     first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
     if not 1 <= first <= last <= len(tasks):
         message = f'--tasks "{part}": write A-B, from 1-{len(tasks)}: the job has {len(tasks)} tasks'
@@ -616,8 +673,7 @@ def check(
     out.print(f"{len(rows) - failed} rows passed, {failed} failed; Blender {_versions()['blender']}", highlight=False)
     if json_file is not None:
         content = {"versions": _versions(), "rows": [row.as_json() for row in rows]}
-        with replacing(json_file) as temporary:
-            temporary.write_text(json.dumps(content, indent=1), encoding="utf-8")
+        write_text(json_file, json.dumps(content, indent=1))
     if failed:
         raise typer.Exit(1)
 
@@ -711,8 +767,9 @@ def _measured(begun: Record, folder: Path, *, quick: bool) -> list[str]:
 def _document(source: Path, folder: Path) -> None:
     from .report import documents, findings
 
-    for path in documents.write(folder, findings.read(source)):
-        _say(f"wrote {path}")
+    with _reading(source):
+        for path in documents.write(folder, findings.read(source)):
+            _say(f"wrote {path}")
 
 
 def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
@@ -722,19 +779,22 @@ def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
     """
     from .report import claims, draw, findings, record, summary
 
-    content, found = record.read(source), findings.read(source)
+    content = record.read(source)
+    with _reading(source):
+        found = findings.read(source)
     pictures = None
     if importlib.util.find_spec("bpy"):
         _with_blender()
         pictures = source.parent
     else:
         _say("bpy is not installed, so the page has no pictures")
-    _make(folder / record.FILE)
-    for path in draw.draw(found, content["machine"], pictures, folder):
-        _say(f"wrote {path}")
-    broken = [(run, claim) for run in found for claim in claims.of(run) if not claim.holds]
-    for run, claim in broken:
-        _say(f"{summary.title(run)}: {claim.text}")
+    with _reading(source):
+        broken = [(run, claim) for run in found for claim in claims.of(run) if not claim.holds]
+        _make(folder / record.FILE)
+        for path in draw.draw(found, content["machine"], pictures, folder):
+            _say(f"wrote {path}")
+        for run, claim in broken:
+            _say(f"{summary.title(run)}: {claim.text}")
     if failed:
         message = f"{len(failed)} measurements failed, {failed[0]} first; give the command again"
         raise RuntimeError(message)
@@ -745,7 +805,8 @@ def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
 def _compare(before: Path, after: Path) -> None:
     from .report import compare, findings
 
-    found, count = compare.changes(findings.read(before), findings.read(after))
+    with _reading(before, after):
+        found, count = compare.changes(findings.read(before), findings.read(after))
     verdicts = {True: "WORSE", False: "better", None: "new"}
     table = Table("Blender", "where", "what", "figure", "before", "after", "")
     for one in found:
@@ -759,6 +820,23 @@ def _compare(before: Path, after: Path) -> None:
         raise typer.Exit(1)
 
 
+@contextmanager
+def _reading(*sources: Path) -> Iterator[None]:
+    """ReportError for whatever a damaged report leads to: its numbers are used in a hundred places."""
+    from .report.record import ReportError
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", RuntimeWarning)  # a square root of -1, or a mean of nothing
+            yield
+    except (OSError, MemoryError, InputError, ReportError):
+        raise
+    except Exception as error:
+        message = f"{' or '.join(map(str, sources))}: not as this vgroove writes it"
+        message += f" ({type(error).__name__}: {error}); measure it anew"
+        raise ReportError(message) from error
+
+
 def _needs(*names: str) -> None:
     """InputError, before any work, if a module of the extra [report] is missing."""
     gone = [name for name in names if importlib.util.find_spec(name) is None]
@@ -769,41 +847,58 @@ def _needs(*names: str) -> None:
 
 def main() -> None:
     """Entry of the ``vgroove`` command; turns every expected failure into one line and its exit code."""
+    for stream in (sys.stdout, sys.stderr):  # a terminal that has no letter for something shows its number
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     sys.exit(_run(lambda: app(prog_name="vgroove", standalone_mode=False)))
 
 
 def _run(command: Callable[[], Any]) -> int:
     try:
         code = command() or 0
+        sys.stdout.flush()
         return _fail("interrupted", INTERRUPTED) if code == INTERRUPTED else code  # typer keeps the exception to itself
     except (typer.Abort, KeyboardInterrupt):
         return _fail("interrupted", INTERRUPTED)
-    except (PresetError, InputError, OSError) as error:
-        return _fail(str(error), 2)
+    except MemoryError:
+        return _fail("out of memory; choose a smaller --resolution, or fewer --workers", 3)
     except Exception as error:
-        if hasattr(error, "format_message"):  # a usage error of the parser
-            return _fail(error.format_message(), 2)
-        if type(error).__name__ in {
-            "ClusterError",
-            "MaterialError",
-            "AnimationError",
-            "SceneError",
-            "OslError",
-            "ReportError",
-        }:  # their modules need Blender
-            return _fail(str(error), 2)
-        if isinstance(error, RuntimeError):  # from Blender itself
-            return _fail(str(error).strip(), 3)
-        raise
+        code = _exit_code(error)
+        if not code:
+            raise
+        return _fail(error.format_message() if hasattr(error, "format_message") else str(error), code)
+
+
+def _exit_code(error: Exception) -> int:
+    """The exit code of a failure that is expected; 0 for others, which are faults of ours."""
+    if isinstance(error, OSError):
+        return 3 if error.errno in BROKEN_MACHINE else 2
+    if isinstance(error, InputError) or hasattr(error, "format_message"):  # a usage error of the parser
+        return 2
+    if type(error).__name__ in {
+        "ClusterError",
+        "MaterialError",
+        "AnimationError",
+        "SceneError",
+        "OslError",
+        "ReportError",
+    }:  # their modules need Blender
+        return 2
+    return 3 if isinstance(error, RuntimeError) else 0  # from Blender itself
 
 
 def _say(text: str) -> None:
-    err.print(text, highlight=False, markup=False, soft_wrap=True)
+    err.print(_line(text), highlight=False, markup=False, soft_wrap=True)
 
 
 def _fail(text: str, code: int) -> int:
-    err.print("vgroove: " + " ".join(text.split()), highlight=False, markup=False, soft_wrap=True)
+    text = _line(text)
+    _say("vgroove: " + (text if len(text) <= LONGEST_LINE else f"{text[: LONGEST_LINE - 4]} ..."))
     return code
+
+
+def _line(text: str) -> str:
+    """One line, without what would steer a terminal."""
+    return "".join(c if c.isprintable() or "\ud800" <= c <= "\udfff" else "?" for c in " ".join(text.split()))
 
 
 def _progress(items: Iterable[Any], label: str, count: int) -> Iterator[Any]:
@@ -829,7 +924,14 @@ def _progress(items: Iterable[Any], label: str, count: int) -> Iterator[Any]:
 def _with_blender() -> None:
     from . import headless
 
-    headless.prepare()
+    folder = Path(tempfile.gettempdir())
+    if not is_plain(folder):
+        message = f"{folder}: Blender misreads the name of this temporary folder; have TMPDIR name a plainer one"
+        raise InputError(message)
+    try:
+        headless.prepare()
+    except ImportError as error:
+        raise InputError(str(error)) from error
 
 
 def _versions() -> dict[str, str]:
@@ -854,13 +956,13 @@ def _changed(preset: Preset, settings: list[str] | None, at_time: float | None) 
         if preset.time is None:
             message = f"--time: preset {preset.id} does not change over time; leave it out"
             raise InputError(message)
-        preset = _at(preset, at_time)
+        preset = preset.at(at_time)
     changes: dict[str, Any] = {}
     for item in settings or []:
         name, equals, text = item.partition("=")
         try:
-            values = [float(part) for part in text.split(",")]
-        except ValueError:
+            values = [inputs.real(part.strip()) for part in text.split(",")]
+        except InputError:
             equals = ""
         if not equals:
             message = f'--set "{item}": write NAME=NUMBER or NAME=R,G,B, as in m=0.2 or f0=0.9,0.6,0.5'
@@ -869,44 +971,46 @@ def _changed(preset: Preset, settings: list[str] | None, at_time: float | None) 
     return preset.with_parameters(**changes)
 
 
-def _at(preset: Preset, time: float) -> Preset:
-    """The preset at a time of its own unit; a time that it does not have is not taken for one that it has."""
-    assert preset.time is not None  # noqa: S101 - the caller has looked
-    start, end, unit = preset.time.start, preset.time.end, preset.time.unit
-    if not math.isfinite(time):
-        message = f"--time: must be a number of {unit}, got {time:g}; {preset.id} goes from {start:g} to {end:g}"
-        raise InputError(message)
-    return preset.at(time)
-
-
-def _assignment(item: str) -> tuple[str, Preset]:
-    name, equals, preset = item.rpartition("=")
-    if not equals or not name or not preset:
-        message = f'--assign "{item}": write OBJECT=PRESET, as in Ball=copper'
-        raise InputError(message)
-    return name, presets.find(preset)
+def _assignments(items: list[str]) -> list[tuple[str, Preset]]:
+    """Objects, or objects and slots, with the preset of each. A preset's id has no "=", so the last one divides."""
+    found: dict[str, Preset] = {}
+    for item in items:
+        name, equals, preset = item.rpartition("=")
+        if not equals or not name or not preset:
+            message = f'--assign "{item}": write OBJECT=PRESET or OBJECT:SLOT=PRESET, as in Ball=copper'
+            raise InputError(message)
+        try:
+            name = inputs.name(name)
+        except InputError as error:
+            message = f'--assign "{item}": the name {error}'
+            raise InputError(message) from error
+        if name in found:
+            message = f'--assign "{item}": gives "{name}" a second preset; leave one of them out'
+            raise InputError(message)
+        found[name] = presets.find(preset)
+    return list(found.items())
 
 
 def _resolution(text: str) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
-    size = (int(found[1]), int(found[2])) if found else (0, 0)
-    if min(size) < 1 or max(size) > 16384:
-        message = f'resolution "{text}": write WIDTHxHEIGHT in pixels up to 16384, as in 640x480'
-        raise InputError(message)
-    return size
+    try:
+        return inputs.size(text)
+    except InputError as error:
+        message = f'resolution "{text}": {error}'
+        raise InputError(message) from error
 
 
-def _frames(text: str | None, output: Path) -> list[int]:
+def _frames(text: str | None, output: Path) -> range:
     if text is None:
-        return []
-    found = re.fullmatch(r"(-?\d+)-(-?\d+)", text)
-    if not found or int(found[2]) < int(found[1]):
-        message = f'--frames "{text}": write FIRST-LAST, as in 1-48'
-        raise InputError(message)
+        return range(0)
+    try:
+        span = inputs.frame_range(text)
+    except InputError as error:
+        message = f'--frames "{text}": {error}'
+        raise InputError(message) from error
     if "#" not in output.name:
         message = f"{output}: a sequence needs #### in the file name, as in rust_####.png"
         raise InputError(message)
-    return list(range(int(found[1]), int(found[2]) + 1))
+    return span
 
 
 def _numbered(output: Path, frame: int) -> Path:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal
 import bpy
 import numpy as np
 
-from ..nodegroups.osl_script import text_block
+from ..nodegroups.osl_script import text_block, tidy
 from .images import pixels
 from .material import Choice, build, lamps_to_bind
 from .reference.hybrid import DEFAULT_BOUND
@@ -245,10 +245,11 @@ def _camera(scene: Scene, geometry: Geometry) -> None:
     import cycles.osl
 
     camera = bpy.data.cameras.new("VGroove gonio")
-    camera.type, camera.custom_mode = "CUSTOM", "INTERNAL"
-    camera.custom_shader = text_block("gonio_camera")
-    if not camera.custom_bytecode:
-        cycles.osl.update_custom_camera_shader(camera, lambda *_: None)
+    with tidy():
+        camera.type, camera.custom_mode = "CUSTOM", "INTERNAL"
+        camera.custom_shader = text_block("gonio_camera")  # in a scene of Cycles this compiles it
+        if not camera.custom_bytecode:
+            cycles.osl.update_custom_camera_shader(camera, lambda *_: None)
     custom = camera.cycles_custom
     custom["resolution"] = (*map(float, geometry.resolution), 0.0)
     custom["window"], custom["theta_i"] = float(geometry.window), float(geometry.axis)

@@ -6,21 +6,25 @@ from __future__ import annotations
 import hashlib
 import shutil
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 
-from .files import replacing
+from .files import readable, replacing
+from .inputs import MOST_SIDE
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from bpy.types import Image, Scene
     from numpy.typing import NDArray
 
 SPARE = 2**20  # bytes beside a picture below which a disk is full
+MAGIC = b"\x76\x2f\x31\x01", b"\x89PNG\r\n\x1a\n"  # first bytes of an EXR and of a PNG
+TALLEST = 4  # of a tile, over its width
 
 
 def pixels(image: Image) -> NDArray[np.float32]:
@@ -62,32 +66,43 @@ def save(path: Path, picture: NDArray[np.floating], shown: Scene, attributes: Ma
         write(temporary, picture if path.suffix.lower() == ".exr" else displayed(picture, shown), attributes)
 
 
-def attribute(path: Path, name: str) -> Any:
-    """One of a file's attributes, None where it has none of that name or cannot be read."""
+@contextmanager
+def opened(path: Path) -> Iterator[Any]:
+    """An EXR or a PNG as OpenImageIO reads it; None if it is none, cannot be read, or is larger than any of ours.
+
+    OpenImageIO itself would try each of its formats in turn, which takes minutes for a large file that is of none.
+    """
     import OpenImageIO as oiio  # noqa: N813 - as in write
 
-    file = oiio.ImageInput.open(str(path))
+    try:
+        with readable(path) as found, found.open("rb") as begin:
+            file = oiio.ImageInput.open(str(found)) if begin.read(8).startswith(MAGIC) else None
+    except OSError:
+        file = None
     if file is None:
         oiio.geterror()  # else told at the very end of the process
-        return None
+        yield None
+        return
     try:
-        return file.spec().getattribute(name)
+        spec = file.spec()
+        yield file if max(spec.width, spec.height) <= MOST_SIDE else None
     finally:
         file.close()
+
+
+def attribute(path: Path, name: str) -> Any:
+    """One of a file's attributes, None where it has none of that name or cannot be read."""
+    with opened(path) as file:
+        try:
+            return file and file.spec().getattribute(name)
+        except UnicodeDecodeError:  # nothing of ours
+            return None
 
 
 def digest(path: Path) -> str:
     """The SHA-256 of the values that a file's picture has as float32; empty where it cannot be read."""
-    import OpenImageIO as oiio  # noqa: N813 - as in write
-
-    file = oiio.ImageInput.open(str(path))
-    if file is None:
-        oiio.geterror()
-        return ""
-    try:
-        values = file.read_image("float")
-    finally:
-        file.close()
+    with opened(path) as file:
+        values = file and file.read_image("float")
     return "" if values is None else digest_of_values(values)
 
 
@@ -98,23 +113,37 @@ def digest_of_values(picture: NDArray[np.floating]) -> str:
 
 def load(path: Path) -> NDArray[np.float32]:
     """``pixels`` of a file."""
-    image = bpy.data.images.load(str(path))
-    try:
-        return pixels(image)
-    finally:
-        bpy.data.images.remove(image)
+    with readable(path) as found:
+        image = bpy.data.images.load(str(found))
+        try:
+            return pixels(image)
+        finally:
+            bpy.data.images.remove(image)
 
 
-def tile(path: Path, width: int) -> NDArray[np.float32]:
-    """A file's picture as it looks, (H, width, 3) in sRGB; what is linear is taken through sRGB's own curve."""
-    image = bpy.data.images.load(str(path))
-    try:
-        before, height = image.size
-        image.scale(width, max(1, round(height * width / before)))
-        found = pixels(image)
-    finally:
-        bpy.data.images.remove(image)
-    return srgb(found) if path.suffix.lower() == ".exr" else found
+def tile(path: Path, width: int, paper: float = 1.0) -> NDArray[np.float32]:
+    """A file's picture as it looks, (H, width, 3) in sRGB; what is linear is taken through sRGB's own curve.
+
+    A picture that would be more than ``TALLEST`` times as high as wide stands in the middle, with ``paper`` beside it.
+    """
+    with opened(path) as file:
+        if file is None:
+            message = f"{path}: is no picture"
+            raise RuntimeError(message)
+    with readable(path) as found:
+        image = bpy.data.images.load(str(found))
+        try:
+            across, height = image.size
+            factor = min(width / across, TALLEST * width / height)
+            image.scale(max(1, round(across * factor)), max(1, round(height * factor)))
+            scaled = pixels(image)
+        finally:
+            bpy.data.images.remove(image)
+    if path.suffix.lower() == ".exr":
+        scaled = srgb(scaled)
+    beside = width - scaled.shape[1]
+    around = ((0, 0), (beside // 2, beside - beside // 2), (0, 0))
+    return np.pad(scaled, around, constant_values=paper)
 
 
 def srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:

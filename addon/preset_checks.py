@@ -7,6 +7,8 @@ import difflib
 from math import inf, pi
 from typing import Any
 
+from .inputs import InputError, shown
+
 LONGEST_MESSAGE = 400  # characters
 M_RANGE = (1e-4, 10.0)  # what float32 shaders keep finite; 0 stands for a smooth interface
 RANGES = {
@@ -23,7 +25,7 @@ RANGES |= {"absorption": (0.0, 1e5), "reflectance": (0.0, 1.0), "mean_free_path"
 RGB = {"f0", "f82_tint", "n", "k", "albedo", "tint", "absorption", "reflectance", "mean_free_path"}
 
 
-class PresetError(ValueError):
+class PresetError(InputError):
     """Bad input in one line: what, where, how to mend it.
 
     Whatever a file holds stays one line of at most ``LONGEST_MESSAGE`` characters that a terminal shows as they are.
@@ -52,7 +54,7 @@ def as_typed(where: str, key: str, value: Any, kind: type) -> Any:
     accepted = (int, float) if kind is float else kind
     if not isinstance(value, accepted) or isinstance(value, bool) != (kind is bool):
         wanted = {bool: "true or false", float: "a number", str: "a text", dict: "a table", list: "a list"}[kind]
-        message = f"{where}: {key} must be {wanted}, got {value!r}"
+        message = f"{where}: {key} must be {wanted}, got {shown(value)}"
         raise PresetError(message)
     return value
 
@@ -63,7 +65,7 @@ def as_number(where: str, key: str, value: Any) -> float | tuple[float, float, f
         return as_in_range(where, key, value)
     channels = [value] * 3 if isinstance(value, (int, float)) else value
     if not isinstance(channels, (list, tuple)) or len(channels) != 3:
-        message = f"{where}: {key} must be one number or three (R, G, B), got {value!r}"
+        message = f"{where}: {key} must be one number or three (R, G, B), got {shown(value)}"
         raise PresetError(message)
     red, green, blue = (as_in_range(where, key, channel) for channel in channels)
     return red, green, blue

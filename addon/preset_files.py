@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from . import presets
-from .files import check_writable, replacing
+from .files import check_writable, write_text
 from .preset_checks import PresetError
 from .presets import FLAGS, FRESNEL_KEYS, KINDS, LOBE, USER_FAMILY, Preset
 
@@ -82,8 +82,7 @@ def save(preset: Preset, folder: Path) -> Preset:
         raise PresetError(message)
     folder.mkdir(parents=True, exist_ok=True)
     check_writable(path)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(path, text)
     presets.reread()
     return held
 

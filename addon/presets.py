@@ -34,13 +34,14 @@ from __future__ import annotations
 import difflib
 import os
 import re
-import tomllib
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import timeline
+from .files import FileError, read_text
+from .inputs import InputError, shown, toml
 from .preset_checks import PresetError, as_in_range, as_number, as_typed, base_name, check_key
 from .reference import (
     F82,
@@ -188,7 +189,7 @@ class Preset:
         numbers = {key: self.parameters[key + suffix] for key in wanted}
         return replace(self, model=model, kind=kind, parameters=numbers, time=None)
 
-    def with_parameters(self, **changes: Any) -> Preset:
+    def with_parameters(self, /, **changes: Any) -> Preset:
         """A copy with some parameters changed; raises PresetError for an unknown name or a value out of range.
 
         What is given a value keeps it: it no longer changes over time.
@@ -210,9 +211,9 @@ class Preset:
 def parse(text: str, identity: str, where: str) -> Preset:
     """A preset from TOML ``text``; ``where`` (a file name) opens every PresetError."""
     try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # numbers of thousands of digits; lists in lists in lists
-        message = f"{where}: not valid TOML: {error}"
+        data = toml(text)
+    except InputError as error:
+        message = f"{where}: {error}"
         raise PresetError(message) from error
     model = as_typed(where, "model", data.get("model", next(iter(MODELS))), str)
     if model not in MODELS:
@@ -238,7 +239,7 @@ def parse(text: str, identity: str, where: str) -> Preset:
         kind = _fresnel_kind(where, data["fresnel"])
         parameters |= {key: as_number(where, key, data["fresnel"][key]) for key in FRESNEL_KEYS[kind]}
     if not (data["name"].isprintable() and len(data["name"].strip()) > 0 and len(data["name"]) <= LONGEST_NAME):
-        message = f"{where}: name must be 1 to {LONGEST_NAME} printable characters, got {data['name']!r}"
+        message = f"{where}: name must be 1 to {LONGEST_NAME} printable characters, got {shown(data['name'])}"
         raise PresetError(message)
     coupled = as_typed(where, "coupled", data.get("coupled", False), bool)
     _holds_together(where, parameters, kind, coupled=coupled)
@@ -266,11 +267,8 @@ def _read(path: Path, family: str) -> Preset:
         message = f'{where}: cannot be "{identity}"; name file and folder with letters, digits, "_", "-" and "." alone'
         raise PresetError(message)
     try:
-        if path.stat().st_size > LONGEST_FILE:
-            message = f"{where}: is larger than {LONGEST_FILE} bytes, which no preset is"
-            raise PresetError(message)
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_text(path, LONGEST_FILE)
+    except FileError as error:
         message = f"{where}: cannot be read: {error}"
         raise PresetError(message) from error
     return parse(text, identity, where)
@@ -301,7 +299,12 @@ _user_folders: list[Path] = []  # of the extension; in use where the environment
 def user_folder() -> Path | None:
     """Where the user's own presets are: the folder that ``VGROOVE_PRESETS`` names, else the extension's."""
     named = os.environ.get(USER_FOLDER)
-    return Path(named).expanduser() if named else next(iter(_user_folders), None)
+    if not named:
+        return next(iter(_user_folders), None)
+    try:
+        return Path(named).expanduser()
+    except RuntimeError:  # ~somebody whom the system does not know
+        return Path(named)
 
 
 def set_user_folder(folder: Path | None) -> None:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from .files import replacing
 from .follow import refresh
+from .files import one_root, replacing
 
 if TYPE_CHECKING:
     from bpy.types import Scene
@@ -147,11 +147,18 @@ def light_by(scene: Scene, image: Path, strength: float = 1.0) -> None:
 def opened(path: Path) -> Scene:
     """The scene of a .blend, which takes the place of what is open; SceneError if it cannot be."""
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+        bpy.ops.wm.open_mainfile(filepath=str(one_root(path.absolute())), load_ui=False)
     except RuntimeError as error:
         message = f"{path}: cannot be opened as a .blend: {' '.join(str(error).split())}"
         raise SceneError(message) from error
     return bpy.context.scene
+
+
+def size(scene: Scene) -> tuple[int, int]:
+    """Pixels of the scene's own render."""
+    render = scene.render
+    width, height = (side * render.resolution_percentage // 100 for side in (render.resolution_x, render.resolution_y))
+    return width, height
 
 
 def composites(scene: Scene) -> bool:

@@ -19,8 +19,8 @@ import imbuf
 import numpy as np
 
 from . import scene
-from .files import check_writable, replacing
-from .images import load, save, tile, write
+from .files import all_readable, check_writable, replacing
+from .images import attribute, load, opened, save, tile, write
 from .scene import SceneError
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOVIES = {".mp4": ("MPEG4", "H264"), ".webm": ("WEBM", "WEBM")}  # container and codec
+SMALLEST = 16  # pixels of a side that FFmpeg's codecs take
 MOMENTS = 16  # at which an exposed frame is rendered: a power of two, which divides usual numbers of samples
 MOST_TILES, TILE_WIDTH, LABEL_HEIGHT, GAP = 8, 240, 26, 4  # of a strip; pixels
 PAPER, INK, TEXT_SIZE = 1.0, 0.15, 15
@@ -44,18 +45,10 @@ def note(settings: Any) -> str:
 
 def is_done(path: Path, wanted: str) -> bool:
     """Whether ``path`` is a picture that can be read and was rendered under this note."""
-    import OpenImageIO as oiio  # noqa: N813 - its usual name; headless.prepare() has put Blender's own first
-
-    if not path.is_file():
+    if attribute(path, "Note") != wanted:
         return False
-    file = oiio.ImageInput.open(str(path))
-    if file is None:
-        oiio.geterror()  # else told at the very end of the process
-        return False
-    try:
-        return file.spec().getattribute("Note") == wanted and file.read_image() is not None
-    finally:
-        file.close()
+    with opened(path) as file:
+        return file is not None and file.read_image() is not None
 
 
 def frame_to(shown: Scene, frame: int, path: Path, wanted: str, shutter: float = 0.0, **settings: Any) -> bool:
@@ -129,6 +122,13 @@ def _label(text: str) -> NDArray[np.float32]:
 # Movie
 
 
+def check_size(size: tuple[int, int]) -> None:
+    """SceneError for frames that are too small for a movie."""
+    if min(size) < SMALLEST:
+        message = f"--movie: frames of {size[0]}x{size[1]} are too small; codecs need {SMALLEST}x{SMALLEST} or more"
+        raise SceneError(message)
+
+
 def check_movie(path: Path) -> None:
     """SceneError, before any work, for a movie that this Blender cannot write."""
     if path.suffix.lower() not in MOVIES:
@@ -142,28 +142,32 @@ def check_movie(path: Path) -> None:
 
 def movie(paths: Sequence[Path], output: Path, fps: int) -> None:
     """The pictures one after another, as they look, by Blender's own FFmpeg."""
-    image = bpy.data.images.load(str(paths[0]))
-    width, height = image.size
-    bpy.data.images.remove(image)
     shown = bpy.data.scenes.new("VGroove movie")
     try:
-        editor = shown.sequence_editor_create()
-        row = editor.strips.new_image("Frames", str(paths[0]), 1, 1)
-        for path in paths[1:]:
-            row.elements.append(path.name)
-        shown.frame_start, shown.frame_end = 1, len(paths)
-        render, settings = shown.render, shown.render.image_settings
-        render.fps, render.resolution_percentage = fps, 100
-        render.resolution_x, render.resolution_y = width - width % 2, height - height % 2  # codecs halve colour
-        render.use_file_extension = False
-        shown.view_settings.view_transform = "Standard"
-        if bpy.app.version >= (5, 0, 0):  # 4.5 knows one list of formats. Goes with 4.5 LTS.
-            settings.media_type = "VIDEO"
-        settings.file_format = "FFMPEG"
-        render.ffmpeg.format, render.ffmpeg.codec = MOVIES[output.suffix.lower()]
-        render.ffmpeg.constant_rate_factor = "HIGH"
-        with replacing(output) as temporary:
-            render.filepath = str(temporary)
+        with all_readable(paths) as frames, replacing(output) as temporary:
+            _cut(shown, frames, fps)
+            shown.render.ffmpeg.format, shown.render.ffmpeg.codec = MOVIES[output.suffix.lower()]
+            shown.render.filepath = str(temporary)
             bpy.ops.render.render(animation=True, scene=shown.name)
     finally:
         bpy.data.scenes.remove(shown)
+
+
+def _cut(shown: Scene, frames: Sequence[Path], fps: int) -> None:
+    """Make a scene that shows pictures of one folder one after another, as a movie."""
+    image = bpy.data.images.load(str(frames[0]))
+    width, height = image.size
+    bpy.data.images.remove(image)
+    row = shown.sequence_editor_create().strips.new_image("Frames", str(frames[0]), 1, 1)
+    for path in frames[1:]:
+        row.elements.append(path.name)
+    shown.frame_start, shown.frame_end = 1, len(frames)
+    render, settings = shown.render, shown.render.image_settings
+    render.fps, render.resolution_percentage = fps, 100
+    render.resolution_x, render.resolution_y = width - width % 2, height - height % 2  # codecs halve colour
+    render.use_file_extension = False
+    shown.view_settings.view_transform = "Standard"
+    if bpy.app.version >= (5, 0, 0):  # 4.5 knows one list of formats. Goes with 4.5 LTS.
+        settings.media_type = "VIDEO"
+    settings.file_format = "FFMPEG"
+    render.ffmpeg.constant_rate_factor = "HIGH"

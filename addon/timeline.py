@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .inputs import shown
 from .preset_checks import RANGES, RGB, PresetError, as_number, as_typed, base_name, check_key
 from .reference.trajectory import Exponential, Keys, Law, Logistic, Polynomial, Power, Reciprocal, Trajectory
 
@@ -135,7 +136,7 @@ def parse(where: str, table: dict[str, Any], parameters: dict[str, Any]) -> Time
             raise PresetError(message)
     for key, value, allowed in (("unit", table["unit"], UNITS), ("kind", table["kind"], KINDS)):
         if value not in allowed:
-            message = f"{where}: {key} must be one of {', '.join(allowed)}, got {value!r}"
+            message = f"{where}: {key} must be one of {', '.join(allowed)}, got {shown(value)}"
             raise PresetError(message)
     start, end = _range(where, table["range"])
     laws = {key: value for key, value in table.items() if key not in {"unit", "range", "kind"}}
@@ -190,8 +191,8 @@ def _checked(
 def _complete(where: str, table: dict[str, Any]) -> str:
     """The law that a table names; PresetError where the law is unknown, or the table has not what the law needs."""
     law = table.get("law")
-    if law not in NEEDED:
-        message = f"{where}: law must be one of {', '.join(NEEDED)}, got {law!r}"
+    if not isinstance(law, str) or law not in NEEDED:
+        message = f"{where}: law must be one of {', '.join(NEEDED)}, got {shown(law)}"
         raise PresetError(message)
     for key in table:
         check_key(where, key, ("law", *NEEDED[law], *OPTIONAL[law]))
@@ -218,7 +219,7 @@ def _coefficient(where: str, name: str, value: Any) -> Any:
         return _finite(where, "coefficients", value)
     channels = value if isinstance(value, (list, tuple)) else [value] * 3
     if len(channels) != 3:
-        message = f"{where}: coefficients must be numbers or lists of three (R, G, B), got {value!r}"
+        message = f"{where}: coefficients must be numbers or lists of three (R, G, B), got {shown(value)}"
         raise PresetError(message)
     return tuple(_finite(where, "coefficients", one) for one in channels)
 
@@ -226,6 +227,6 @@ def _coefficient(where: str, name: str, value: Any) -> Any:
 def _finite(where: str, key: str, value: Any) -> float:
     number = as_typed(where, key, value, float)
     if not -LONGEST <= number <= LONGEST:  # NaN too
-        message = f"{where}: {key} must be between {-LONGEST:g} and {LONGEST:g}, got {value!r}"
+        message = f"{where}: {key} must be between {-LONGEST:g} and {LONGEST:g}, got {shown(value)}"
         raise PresetError(message)
     return float(number)

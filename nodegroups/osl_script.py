@@ -8,8 +8,9 @@ compiled bytecode is kept in the node, so a saved file renders where the extensi
 from __future__ import annotations
 
 import re
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import bpy
 
@@ -17,7 +18,7 @@ from . import cook_torrance_table, oren_nayar_table, random_numbers
 from ._tree import Number, Tree, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from bpy.types import Node, NodeSocket, Text
 
@@ -81,9 +82,11 @@ def script(tree: Tree, shader: str, variant: Variant | None = None, /, **paramet
     """
     node = tree.node("ShaderNodeScript", mode="INTERNAL", label=shader)
     known = set(bpy.data.texts)
-    node.script = text_block(shader, variant)
     try:
-        _compile(node, shader)
+        with tidy():
+            node.script = text_block(shader, variant)  # in a scene of Cycles this compiles it
+            if not node.bytecode:
+                _compile(node, shader)
     except OslError:
         for text in set(bpy.data.texts) - known:
             bpy.data.texts.remove(text)
@@ -93,6 +96,30 @@ def script(tree: Tree, shader: str, variant: Variant | None = None, /, **paramet
     for name, value in parameters.items():
         tree.connect(value, socket(node, name))
     return node
+
+
+@contextmanager
+def tidy() -> Iterator[None]:
+    """Remove the files that the Cycles add-on compiles to within the block; it leaves them in the temporary folder."""
+    try:
+        from cycles import osl
+    except ImportError:  # a build without Cycles
+        yield
+        return
+    compile_file, made = osl.osl_compile, []
+
+    def compile_and_note(*arguments: Any) -> Any:
+        found = compile_file(*arguments)
+        made.append(found[1])
+        return found
+
+    osl.osl_compile = compile_and_note
+    try:
+        yield
+    finally:
+        osl.osl_compile = compile_file
+        for path in made:
+            Path(path).unlink(missing_ok=True)
 
 
 def _compile(node: Node, shader: str) -> None:

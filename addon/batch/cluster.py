@@ -7,6 +7,7 @@ Each worker has its renders done by a ``Child``, which ends with it. One thread 
 from __future__ import annotations
 
 import logging
+import queue
 import re
 import threading
 from collections import Counter
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from .job import Task
 
 PATIENCE = 10  # seconds for a scheduler to answer
+ADDRESS = re.compile(r"(tcp|tls|wss?)://[^\s/]+:([0-9]{1,5})", re.ASCII)
 
 
 class ClusterError(ValueError):
@@ -35,7 +37,8 @@ class ClusterError(ValueError):
 
 def connected(address: str) -> Any:
     """A client of the scheduler at ``address``; ClusterError if it cannot be reached."""
-    if not re.fullmatch(r"\w+://\S+:\d+", address):
+    found = ADDRESS.fullmatch(address)
+    if not found or not 1 <= int(found[2]) <= 65535:
         message = f'--cluster "{address}": write the address of a Dask scheduler, as in tcp://farm:8786'
         raise ClusterError(message)
     try:
@@ -45,12 +48,25 @@ def connected(address: str) -> Any:
         raise ClusterError(message) from error
     for logger in ("distributed", "distributed.client"):  # we say in one line what they say in forty
         logging.getLogger(logger).setLevel(logging.CRITICAL)
+    answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
+
+    def connect() -> None:
+        try:
+            answers.put(distributed.Client(address, timeout=PATIENCE, set_as_default=False))
+        except Exception as error:  # noqa: BLE001 - of any kind, by scheme and by what answers
+            answers.put(error)
+
+    # By a thread: Dask's own timeout does not hold for something that takes the connection and then says nothing.
+    threading.Thread(target=connect, daemon=True).start()
     try:
-        return distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, ImportError) as error:
-        message = f"{address}: no Dask scheduler answers there ({' '.join(str(error).split())}); "
+        answer = answers.get(timeout=1.5 * PATIENCE)
+    except queue.Empty:
+        answer = TimeoutError("something else took the connection")
+    if isinstance(answer, Exception):
+        message = f"{address}: no Dask scheduler answers there ({' '.join(str(answer).split())}); "
         message += "start one by `dask scheduler` and give its address, as in tcp://farm:8786"
-        raise ClusterError(message) from error
+        raise ClusterError(message) from answer
+    return answer
 
 
 def outcomes(

@@ -5,19 +5,21 @@ from __future__ import annotations
 
 import base64
 import math
+import os
 import tempfile
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 import jinja2
 
-from ..files import replacing
+from ..files import write_text
 from ..images import attribute, tile, write
 from .outcome import RECORD, read_record
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 FILE = "gallery.html"
 WIDTH = 192  # of a thumbnail, pixels
@@ -28,15 +30,17 @@ MOST_CHOICES = 200  # of a filter; beyond, words find better
 def stills(folder: Path) -> list[dict[str, Any]]:
     """What the pictures in a folder say of themselves, each task once, in the order of their labels.
 
-    A picture that says nothing is not a task's. Keys: those of a picture's record, and ``pictures``, names by ending.
+    A picture that says nothing is not a task's. Keys: those of a picture's record, ``pictures``, names by ending, and
+    ``links``, the names in URLs.
     """
     found: dict[str, dict[str, Any]] = {}
     for path in sorted(folder.iterdir()):
         if path.suffix not in ENDINGS or path.name.startswith("."):
             continue
         if (read := read_record(attribute(path, RECORD))) is not None:
-            record = found.setdefault(path.stem, read | {"pictures": {}})
+            record = found.setdefault(path.stem, read | {"pictures": {}, "links": {}})
             record["pictures"][path.suffix] = path.name
+            record["links"][path.suffix[1:]] = quote(os.fsencode(path.name))
     return sorted(found.values(), key=lambda record: [_number(value) for value in record["labels"].values()])
 
 
@@ -45,13 +49,13 @@ def write_page(path: Path, folder: Path, records: Iterable[dict[str, Any]], coun
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["percent"] = lambda value: "" if math.isnan(value) else f"{value:.2%}"
     template = environment.from_string(files(__package__).joinpath("gallery.jinja").read_text(encoding="utf-8"))
-    shown = [record | {"thumbnail": _thumbnail(folder, record)} for record in records]
-    away = folder.absolute().as_uri() + "/" if folder.absolute() != path.absolute().parent else ""
+    shown = [record | {"thumbnail": _thumbnail(folder, record["pictures"])} for record in records]
+    # A relative link begins with ./ so that no name is taken for a scheme, as javascript: is.
+    away = folder.absolute().as_uri() + "/" if folder.absolute() != path.absolute().parent else "./"
     page = template.render(
         title=folder.absolute().name, stills=shown, count=count, filters=filters(shown), away=away, width=WIDTH
     )
-    with replacing(path) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+    write_text(path, page)
 
 
 def filters(records: Sequence[dict[str, Any]]) -> dict[str, list[str]]:
@@ -73,13 +77,13 @@ def _number(text: str) -> tuple[float, str]:
         return math.inf, text
 
 
-def _thumbnail(folder: Path, record: dict[str, Any]) -> str:
+def _thumbnail(folder: Path, pictures: Mapping[str, str]) -> str:
     """As a WebP in the page itself."""
-    name = next(record["pictures"][ending] for ending in ENDINGS if ending in record["pictures"])
+    path = folder / next(pictures[ending] for ending in ENDINGS if ending in pictures)
     with tempfile.TemporaryDirectory(prefix="vgroove-") as place:
         picture = Path(place) / "thumbnail.webp"
         try:
-            write(picture, tile(folder / name, WIDTH), {"compression": "webp:85"})
+            write(picture, tile(path, WIDTH), {"compression": "webp:85"})
         except (RuntimeError, ZeroDivisionError):  # it was cut short: its links say so
             return ""
         return "data:image/webp;base64," + base64.b64encode(picture.read_bytes()).decode()

@@ -11,29 +11,30 @@ import itertools
 import json
 import math
 import os
-import re
-import tomllib
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import presets
+from ..files import FileError, check_regular, one_root, read_text
+from ..inputs import MOST_SAMPLES, MOST_SEED, InputError, frame_range, shown, size, toml
+from ..inputs import name as name_in_blend
 from ..preset_checks import RGB, PresetError, as_typed, base_name, check_key
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from ..presets import Preset
 
+T = TypeVar("T")
 PREVIEW = "preview"  # the scene that comes with vgroove; its ball takes the preset
 PREVIEW_SAMPLES, PREVIEW_SIZE = 128, (640, 480)  # of it where none are given; a .blend has its own
 BACKENDS = ("nodes", "osl")
 ESTIMATORS = ("auto", "fit", "closure", "corrected", "hybrid", "mirror", "direct")
 OUTPUTS = ("exr", "png")
 MOST_TASKS = 1_000_000
-MOST_PIXELS, MOST_SAMPLES, MOST_SEED = 16384, 2**24, 2**31 - 1  # a side; a pixel
 ERRORS = 1e-4, 1.0  # that can be asked for; a hundredth of one takes ten thousand times as long
 LONGEST_FILE = 1_000_000  # bytes
 # What a table may hold, and what stands for a key that is not there
@@ -112,6 +113,7 @@ class Task:
 def digest_of(path: Path) -> str:
     """The SHA-256 of a file's content, or of none where it cannot be read."""
     try:
+        check_regular(path)
         state = path.stat()
         return _digest(path, state.st_mtime_ns, state.st_size)
     except OSError:
@@ -130,11 +132,8 @@ def load(path: Path) -> list[Task]:
     Scenes are looked for beside the file.
     """
     try:
-        if path.stat().st_size > LONGEST_FILE:
-            message = f"{path}: is larger than {LONGEST_FILE} bytes; make several jobs of it"
-            raise JobError(message)
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_text(path, LONGEST_FILE)
+    except FileError as error:
         message = f"{path}: cannot be read: {error}"
         raise JobError(message) from error
     return parse(text, str(path), path.parent)
@@ -143,9 +142,9 @@ def load(path: Path) -> list[Task]:
 def parse(text: str, where: str, folder: Path) -> list[Task]:
     """The tasks of a job in TOML ``text``; ``where`` opens every JobError."""
     try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # numbers of thousands of digits; lists in lists in lists
-        message = f"{where}: not valid TOML: {error}"
+        data = toml(text)
+    except InputError as error:
+        message = f"{where}: {error}"
         raise JobError(message) from error
     for key in data:
         check_key(where, key, TOP)
@@ -153,20 +152,22 @@ def parse(text: str, where: str, folder: Path) -> list[Task]:
     if not tables:
         message = f'{where}: nothing to render; add a table [[render]] with preset = "copper"'
         raise JobError(message)
-    found: dict[str, Task] = {}
+    grids, count = [], 0
     for number, table in enumerate(tables, 1):
         here = f"{where}: render {number}"
-        grid = _Grid(here, as_typed(here, "[[render]]", table, dict), folder)
-        if grid.count > MOST_TASKS:
-            message = f"{here}: makes {grid.count} tasks, more than {MOST_TASKS}; make several jobs of it"
+        grids.append(_Grid(here, as_typed(here, "[[render]]", table, dict), folder))
+        count += grids[-1].count
+        if count > MOST_TASKS:
+            message = f"{here}: makes {shown(count)} tasks in all, more than {MOST_TASKS}; make several jobs of it"
             raise JobError(message)
+    found: dict[str, Task] = {}
+    for grid in grids:
         for task in grid.tasks():
             name = task.identity({})
             same = found.setdefault(name, task)
             if same.scene != task.scene:
-                message = (
-                    f"{here}: {task.scene} and {same.scene} are the same file, and would be one still; name one of them"
-                )
+                pair = f"{task.scene} and {same.scene}"
+                message = f"{grid.where}: {pair} are the same file, and would be one still; name one of them"
                 raise JobError(message)
             more = tuple(kind for kind in task.outputs if kind not in same.outputs)
             if more:  # a table that came before wanted less of it
@@ -183,10 +184,15 @@ class _Grid:
         self.where, self.table = where, DEFAULTS | table
         self.folder = folder
         self.object = as_typed(where, "object", self.table["object"], str)
-        self.frames = _frames(where, self.table["frames"])
+        if self.object:
+            self.read("object", name_in_blend, self.object)
+        text = as_typed(where, "frames", self.table["frames"], str)
+        self.frames = self.read("frames", frame_range, text) if text else range(0)
         self.outputs = tuple(self.choices("output", OUTPUTS))
         fixed = as_typed(where, "assign", self.table["assign"], dict)
-        self.fixed = tuple((name, self.found("assign", preset)) for name, preset in fixed.items())
+        self.fixed = tuple(
+            (self.read("assign", name_in_blend, name), self.found("assign", preset)) for name, preset in fixed.items()
+        )
         changes = as_typed(where, "set", self.table["set"], dict)
         self.axes: dict[str, list[Any]] = {
             "scene": [self.scene(one) for one in self.values("scene")],
@@ -287,7 +293,7 @@ class _Grid:
         name = as_typed(self.where, "scene", value, str)
         if name == PREVIEW:
             return PREVIEW, ""
-        path = Path(os.path.normpath(self.folder.absolute() / name))
+        path = one_root(Path(os.path.normpath(self.folder.absolute() / name)))
         if path.suffix != ".blend" or not path.is_file():
             message = f'{self.where}: scene "{name}": no such .blend in {self.folder.absolute()}, nor is it "{PREVIEW}"'
             raise JobError(message)
@@ -321,19 +327,20 @@ class _Grid:
 
     def whole(self, key: str, value: Any, low: int, high: int) -> int:
         if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-            message = f"{self.where}: {key} must be a whole number from {low} to {high}, got {value!r}"
+            message = f"{self.where}: {key} must be a whole number from {low} to {high}, got {shown(value)}"
             raise JobError(message)
         return value
 
     def size(self, value: Any) -> tuple[int, int]:
-        found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", as_typed(self.where, "resolution", value, str))
-        width, height = (int(found[1]), int(found[2])) if found else (0, 0)
-        if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
-            message = (
-                f"{self.where}: resolution {value!r}: write WIDTHxHEIGHT in pixels up to {MOST_PIXELS}, as in 640x480"
-            )
-            raise JobError(message)
-        return width, height
+        return self.read("resolution", size, as_typed(self.where, "resolution", value, str))
+
+    def read(self, key: str, reader: Callable[[str], T], text: str) -> T:
+        """What a function of ``inputs`` makes of a text."""
+        try:
+            return reader(text)
+        except InputError as error:
+            message = f"{self.where}: {key} {shown(text)}: {error}"
+            raise JobError(message) from error
 
 
 def _axis(where: str, name: str, value: Any) -> list[Any]:
@@ -343,15 +350,6 @@ def _axis(where: str, name: str, value: Any) -> list[Any]:
         raise JobError(message)
     several = isinstance(value, list) and (base_name(name) not in RGB or any(isinstance(one, list) for one in value))
     return value if several else [value]
-
-
-def _frames(where: str, value: Any) -> range:
-    text = as_typed(where, "frames", value, str)
-    found = re.fullmatch(r"(-?\d{1,7})-(-?\d{1,7})", text)
-    if text and (not found or int(found[2]) < int(found[1])):
-        message = f'{where}: frames "{text}": write FIRST-LAST, as in 1-48'
-        raise JobError(message)
-    return range(int(found[1]), int(found[2]) + 1) if found else range(0)
 
 
 def _text(value: Any) -> str:

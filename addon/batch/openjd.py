@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..files import check_writable, replacing
+from ..files import check_writable, write_text
 from .job import JobError
 
 if TYPE_CHECKING:
@@ -73,9 +73,14 @@ def write(path: Path, job: Path, output: Path, tasks: Sequence[Task], first: int
         message = f"{path}: unknown ending {path.suffix!r}; use {' or '.join(ENDINGS)}"
         raise JobError(message)
     check_writable(path)
+    for one in (job, output):
+        try:
+            str(one.absolute()).encode("utf-8")
+        except UnicodeEncodeError as error:
+            message = f"{one}: is not UTF-8, as a template is; rename it"
+            raise JobError(message) from error
     content = template(job, path.absolute().parent, output, tasks, first)
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(content, indent=2) + "\n")
 
 
 def _default(path: str, folder: Path) -> dict[str, str]:

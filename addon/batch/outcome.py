@@ -8,6 +8,7 @@ import math
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+LONGEST_RECORD = 10_000_000  # characters
 RECORD = "vgroove"  # attribute of a picture: its outcome, what it shows and what rendered it, as JSON
 
 
@@ -39,10 +40,26 @@ class Outcome:
 def read_record(text: Any) -> dict[str, Any] | None:
     """The record of a picture, with its outcome as ``Outcome``; None of what is none, or damaged."""
     try:
-        record = json.loads(text)
+        record: Any = json.loads(text) if len(text) <= LONGEST_RECORD else None
         outcome = Outcome(**record["outcome"])
-        labels, files = dict(record["labels"]), dict(record["files"])
-    except (TypeError, ValueError, KeyError):
+        tables = [record[key] for key in ("labels", "files", "task", "versions")]
+    except (TypeError, ValueError, KeyError, RecursionError):
+        return None
+    if not all(isinstance(one, dict) for one in tables) or not _holds(outcome):
+        return None
+    if not all(isinstance(word, str) for table in tables[:2] for word in table.values()):
         return None
     error = float("nan") if outcome.error is None else outcome.error
-    return record | {"outcome": replace(outcome, error=error), "labels": labels, "files": files}
+    return {**record, "outcome": replace(outcome, error=error)}
+
+
+def _holds(outcome: Outcome) -> bool:
+    """Whether the values read from a picture are of the kinds that they must be."""
+    words = outcome.name, outcome.status, outcome.reason
+    counts = outcome.samples, outcome.memory, outcome.tries
+    times = outcome.seconds, outcome.render_seconds, *(() if outcome.error is None else (outcome.error,))
+    return (
+        all(isinstance(one, str) for one in words)
+        and all(type(one) is int and 0 <= one < 2**63 for one in counts)
+        and all(type(one) in {int, float} and 0 <= one < math.inf for one in times)
+    )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections import Counter
 from contextlib import suppress
@@ -13,7 +14,8 @@ from typing import TYPE_CHECKING
 from rich.markup import escape
 from rich.table import Table
 
-from ..files import replacing
+from ..files import read_bytes, replacing
+from ..inputs import real
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from .outcome import Outcome
 
 FILE = "results.csv"
+LONGEST_FILE = 2**30  # bytes
 HEAD = ("task", "status", "seconds", "render_seconds", "samples", "error", "memory_mb", "tries", "label", "reason")
 MOST_ROWS = 20  # of a table for people
 # Of a plan, as the report's figures/batch has them of the preview scene: seconds that a process takes to begin, and for
@@ -37,7 +40,8 @@ def write(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]
     One without an outcome was not come to: it keeps the row that the table has of it, else it is "left".
     """
     before = {row.get("task"): row for row in _rows(path)}
-    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+    escaped = "backslashreplace"  # of names from the command line that are not UTF-8
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8", errors=escaped) as file:
         rows = csv.writer(file)
         rows.writerow(HEAD)
         for name, task in tasks.items():
@@ -145,14 +149,14 @@ def read_seconds(folder: Path) -> dict[str, float]:
         for row in _rows(path):
             with suppress(KeyError, TypeError, ValueError):  # someone has edited it
                 if row["status"] in {"rendered", "there"}:
-                    found[row["task"]] = float(row["seconds"])
+                    found[row["task"]] = real(row["seconds"], 0.0)
     return found
 
 
 def _rows(path: Path) -> list[dict[str, str]]:
     """Of a table, which a spreadsheet may have saved."""
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            return list(csv.DictReader(file))
+        text = read_bytes(path, LONGEST_FILE).decode("utf-8-sig")
+        return list(csv.DictReader(io.StringIO(text, newline="")))
     except (OSError, UnicodeDecodeError, csv.Error):
         return []

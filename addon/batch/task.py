@@ -135,10 +135,9 @@ class Renderer:
             shown = _opened(task) if task.digest else scene.preview()
             _leave_out(shown)
             render = shown.render
-            size = (side * render.resolution_percentage // 100 for side in (render.resolution_x, render.resolution_y))
             render.use_persistent_data = True  # only what changes from task to task is given to Cycles anew
             render.threads_mode, render.threads = ("FIXED", self.threads) if self.threads else ("AUTO", 1)
-            self._wanted, self._own = wanted, (shown.frame_current, shown.cycles.samples, tuple(size))
+            self._wanted, self._own = wanted, (shown.frame_current, shown.cycles.samples, scene.size(shown))
             frame = shown.frame_current if task.frame is None else task.frame
             self._frame = frame if scene.remembers(shown) else None
             self._materials, self._outside = {}, _files_outside(Path(task.scene)) if task.digest else {}

@@ -12,7 +12,7 @@ import re
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from ..files import replacing
+from ..files import FileError, read_text, write_text
 from . import summary
 from .record import ReportError
 from .words import percent, times
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 MARKED = re.compile(r"<!-- report (\S+) -->(.*?)<!-- /report -->", re.DOTALL)
 PAGES = ("README.md", "docs/*.md")
+LONGEST_PAGE = 10_000_000  # bytes
 LOW, HIGH = 0.4, 1.0  # slopes to which two figures of the README go
 GRAZING = 85.0  # degrees, to which they go
 SPEED_SCENES = ("environment", "softbox", "sun")
@@ -57,15 +58,14 @@ def figure(name: str, found: list[Run]) -> str:
 def write(folder: Path, found: list[Run]) -> Iterator[Path]:
     """Rewrite the documents of a checkout; those that changed."""
     for path in sorted(path for pattern in PAGES for path in folder.glob(pattern)):
-        text = path.read_text(encoding="utf-8")
         try:
+            text = read_text(path, LONGEST_PAGE)
             new = rewritten(text, found)
-        except ReportError as error:
+        except (FileError, ReportError) as error:
             message = f"{path}: {error}"
             raise ReportError(message) from error
         if new != text:
-            with replacing(path) as temporary:
-                temporary.write_text(new, encoding="utf-8")
+            write_text(path, new)
             yield path
 
 

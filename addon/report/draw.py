@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..files import replacing
 from . import page, plots, summary
 from .record import ReportError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     from .findings import Run
 
@@ -32,8 +35,14 @@ def draw(runs: list[Run], machine: Mapping[str, Any], pictures: Path | None, fol
     if not found:
         message = "the report holds no measurements yet; give `vgroove report -o DIR` more time"
         raise ReportError(message)
-    (folder / PLOTS).mkdir(parents=True, exist_ok=True)
-    figures = {run.blender: plots.draw(run, folder / PLOTS) for run in found}
-    page.write(folder / page.FILE, found, machine, figures, folder / PLOTS, pictures)
-    summary.write(folder / summary.FILE, found, machine, figures)
+    with tempfile.TemporaryDirectory(prefix="vgroove-") as place:  # nothing of a report that cannot be drawn whole
+        made = Path(place)
+        (made / PLOTS).mkdir()
+        figures = {run.blender: plots.draw(run, made / PLOTS) for run in found}
+        page.write(made / page.FILE, found, machine, figures, made / PLOTS, pictures)
+        summary.write(made / summary.FILE, found, machine, figures)
+        (folder / PLOTS).mkdir(parents=True, exist_ok=True)
+        for path in (path for path in made.rglob("*") if path.is_file()):
+            with replacing(folder / path.relative_to(made)) as temporary:
+                shutil.copyfile(path, temporary)
     return [folder / page.FILE, folder / summary.FILE, folder / PLOTS]

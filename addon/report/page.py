@@ -13,7 +13,7 @@ import jinja2
 import numpy as np
 from matplotlib import image
 
-from ..files import replacing
+from ..files import write_text
 from . import claims, summary
 
 if TYPE_CHECKING:
@@ -72,8 +72,7 @@ def write(
         runs=found, machine=summary.machine_text(machine), figures=figures, vectors=vectors, pictures=shown,
         say=summary, broken=claims.BROKEN, amplified=AMPLIFIED,
     )  # fmt: skip
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(path, text)
 
 
 def looks(contest: Contest, folder: Path) -> Pictures | None:

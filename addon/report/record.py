@@ -26,13 +26,15 @@ from typing import TYPE_CHECKING, Any
 
 import psutil
 
-from ..files import replacing
+from ..files import FileError, read_text, write_text
+from ..inputs import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
 PARTS = ("accuracy", "picks", "stability", "left_out", "figures")
 FILE = "report.json"
+LONGEST_FILE = 200_000_000  # bytes
 FORMAT = 2
 DIGITS = 9
 ROOT = Path(__file__).parent.parent.parent
@@ -60,6 +62,8 @@ DECIDES: dict[str, set[str]] = {
 FIELDS = (
     ("vgroove", str, "text"), ("quick", bool, "true or false"), ("code", dict, "table"), ("cells", dict, "table"),
 )  # fmt: skip
+
+OPTIONAL = (("versions", dict, "table"), ("seconds", dict, "table"), ("wanted", int, "number"))
 
 
 class ReportError(ValueError):
@@ -102,8 +106,7 @@ class Record:
         self.cells[key] = _plain(found)
         self.content["runs"][self.blender].setdefault("seconds", {})[key] = round(seconds, 1)
         self.content["runs"][self.blender]["code"][part_of(key)] = self.digests[part_of(key)]
-        with replacing(self.path) as temporary:
-            temporary.write_text(text(self.content), encoding="utf-8")
+        write_text(self.path, text(self.content))
 
 
 def begun(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -> Record:
@@ -192,9 +195,10 @@ def _plain(value: Any) -> Any:
 def read(path: Path) -> dict[str, Any]:
     """What a report.json holds. ReportError if it is none."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, OSError) as error:
-        what = "not there" if isinstance(error, FileNotFoundError) else "no report"
+        content = json.loads(read_text(path, LONGEST_FILE))
+    except (ValueError, RecursionError, FileError) as error:
+        what = str(error) if isinstance(error, FileError) else "no report"
+        what = "not there" if isinstance(error.__cause__, FileNotFoundError) else what
         message = f"{path}: {what}; name a report.json that `vgroove report -o DIR` wrote"
         raise ReportError(message) from error
     if not isinstance(content, dict) or not isinstance(content.get("runs"), dict):
@@ -215,10 +219,13 @@ def _flaws(content: dict[str, Any]) -> Iterator[str]:
     if not isinstance(of := content.get("machine"), dict) or not known.keys() <= of.keys():
         yield f"machine is no table of {', '.join(known)}"
     for blender, run in content["runs"].items():
+        if not re.fullmatch(r"[0-9]{1,4}(\.[0-9]{1,4}){0,3}", blender):
+            yield f"{shown(blender)} is no version of Blender"
+            continue
         if not isinstance(run, dict):
             yield f"the run of Blender {blender} is no table"
             continue
-        for key, kind, called in FIELDS:
+        for key, kind, called in (*FIELDS, *(field for field in OPTIONAL if field[0] in run)):
             if not isinstance(run.get(key), kind):
                 yield f"{key} in the run of Blender {blender} is no {called}"
         if isinstance(cells := run.get("cells"), dict):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..files import replacing
+from ..files import write_text
 from . import claims
 from .findings import AGAINST, TARGETS
 from .words import number, percent, plain, times
@@ -27,8 +27,7 @@ FILE = "report.md"
 
 def write(path: Path, found: list[Run], machine: Mapping[str, Any], figures: Mapping[str, Mapping[str, Drawn]]) -> None:
     """figures: by Blender and kind, what lies in plots/ beside ``path``."""
-    with replacing(path) as temporary:
-        temporary.write_text(markdown(found, machine, figures), encoding="utf-8")
+    write_text(path, markdown(found, machine, figures))
 
 
 def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str, Mapping[str, Drawn]]) -> str:
