@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from .follow import refresh
 from .files import one_root, replacing
+from .follow import refresh
 
 if TYPE_CHECKING:
     from bpy.types import Scene
