@@ -41,7 +41,7 @@ def assign(
         scene.cycles.shading_system = True
     said: dict[str, None] = {}
     for name, preset in given:
-        chosen = pick_estimator(scene, preset, backend) if estimator == "auto" else estimator
+        chosen = pick_estimator(scene, preset) if estimator == "auto" else estimator
         item = scene.objects.get(name)
         if item is None:
             known = ", ".join(sorted(other.name for other in scene.objects if other.type == "MESH"))

@@ -73,7 +73,7 @@ def chosen(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") 
     """How ``preset`` is built in ``shown``, and why by that estimator."""
     pick = automatic.Pick(estimator, "it was asked for")
     if estimator == "auto":
-        pick = automatic.pick(shown, preset, backend)
+        pick = automatic.pick(shown, preset)
     return Choice(backend, pick.estimator, lamps_to_bind(shown, pick.estimator, preset.model)), pick
 
 

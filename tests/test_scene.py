@@ -3,7 +3,7 @@
 
 import pytest
 
-from vgroove.addon import advice, automatic, headless, lamps, material, presets, scene
+from vgroove.addon import advice, headless, lamps, material, presets, scene
 from vgroove.addon.material import lamps_to_bind
 from vgroove.addon.reference.hybrid import DEFAULT_BOUND
 from vgroove.nodegroups.lamp import can_cast_shadows
@@ -257,13 +257,6 @@ def test_bound_lamps_that_cast_no_shadow_are_said_for_every_estimator(stage):
         keys = [p.key for p in advice.problems(stage, "nodes", estimator)]
         assert ("shadows" in keys) == (not can_cast_shadows())
         assert "shadows" not in [p.key for p in advice.problems(stage, "osl", estimator)]
-
-
-def test_osl_corrects_lamps_where_nodes_would_lose_their_shadows(stage):
-    """The choice knows the backend."""
-    copper = presets.find("copper").with_parameters(m=0.6)
-    assert automatic.pick_estimator(stage, copper, "osl") == "corrected"
-    assert automatic.pick_estimator(stage, copper, "nodes") == ("corrected" if can_cast_shadows() else "fit")
 
 
 def test_glass_with_few_bounces_is_said(stage):

@@ -268,7 +268,7 @@ def chosen(shown: bpy.types.Scene) -> automatic.Pick:
     if shown.vgroove.estimator != "auto":
         return automatic.Pick(shown.vgroove.estimator, "")
     preset = chosen_preset(shown.vgroove)
-    return automatic.pick(shown, preset, shown.vgroove.backend)
+    return automatic.pick(shown, preset)
 
 
 def current_problems(shown: bpy.types.Scene) -> list[advice.Problem]:
