@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from . import facts
 from .advice import problems_with
 from .automatic import pick_estimator
-from .material import Choice, apply, build, lamps_to_bind
+from .material import Choice, apply, build
 from .scene import SceneError
 
 if TYPE_CHECKING:
@@ -39,21 +40,24 @@ def assign(
     """
     if backend == "osl":
         scene.cycles.shading_system = True
-    said: dict[str, None] = {}
+    known, chosen_for = facts.of(scene), []
     for name, preset in given:
-        chosen = pick_estimator(scene, preset) if estimator == "auto" else estimator
+        chosen = pick_estimator(known, preset) if estimator == "auto" else estimator
         item = scene.objects.get(name)
         if item is None:
             known = ", ".join(sorted(other.name for other in scene.objects if other.type == "MESH"))
             message = f'{where}"{name}={preset.id}": the scene has no object of that name; it has {known}'
             raise SceneError(message)
-        bound_lamps = lamps_to_bind(scene, chosen, preset.model)
-        choice = Choice(backend, chosen, bound_lamps, bound=bound, play=play if preset.time else None)
+        choice = Choice(
+            backend, chosen, known.to_bind(chosen, preset.model), bound=bound, play=play if preset.time else None
+        )
         if into is not None and name not in into:  # of its own, though there be another like it
             into[name] = bpy.data.materials.new(preset.name)
         made = build(preset, choice, into[name] if into is not None else None)
         if not apply(made, [item]):
             message = f'{where}"{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise SceneError(message)
-        said |= dict.fromkeys(problem.text for problem in problems_with(scene, preset, backend, chosen))
-    return list(said)
+        chosen_for.append((preset, chosen))
+    known = facts.of(scene)  # with the materials that were given
+    found = [p for preset, chosen in chosen_for for p in problems_with(known, preset, backend, chosen)]
+    return list(dict.fromkeys(problem.text for problem in found))

@@ -19,12 +19,14 @@ from mathutils import Vector
 
 from ..nodegroups import REVISION_KEY
 from . import lamps
-from .material import KEY
+from .material import KEY, NATIVE, lamps_to_bind, origin_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from bpy.types import Collection, Material, Node, NodeTree, Object, Scene
+
+    from .material import Origin
 
 SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "POINTCLOUD", "CURVES"}
 SMALL_ANGLE = radians(10.0)  # seen from the objects: a narrower light is rarely hit by a random mirror direction
@@ -119,6 +121,23 @@ class SceneFacts:
         """The lights that the formula can follow, strongest first."""
         return [item for item in self.lamps if item not in self.refusals]
 
+    def to_bind(self, estimator: str, model: str) -> tuple[Object, ...]:
+        """``lamps_to_bind``, asked once."""
+        if estimator in NATIVE:
+            return ()
+        if (estimator, model) not in self._to_bind:
+            self._to_bind[estimator, model] = lamps_to_bind(self.scene, estimator, model, self.lamps)
+        return self._to_bind[estimator, model]
+
+    @cached_property
+    def _to_bind(self) -> dict[tuple[str, str], tuple[Object, ...]]:
+        return {}
+
+    @cached_property
+    def origins(self) -> dict[Material, Origin | None]:
+        """What our materials were built from; None of one that lost its node group."""
+        return {made: _origin(made) for made in self.ours}
+
     @property
     def is_soft(self) -> bool:
         """Whether something broad shines, whose place Cycles draws at random."""
@@ -128,11 +147,14 @@ class SceneFacts:
 def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
     """The facts of a scene; what are facts already comes back as it is.
 
-    update: have Blender evaluate Geometry Nodes that it has not evaluated yet, which is no business of a draw function.
+    update: have Blender evaluate what it has not evaluated yet, as after changes by a script. A draw function must not.
     """
     if isinstance(scene, SceneFacts):
         return scene
-    brought = list(_brought(scene, update=update))
+    if update:
+        for layer in scene.view_layers:
+            layer.update()
+    brought = _brought(scene)
     found = dict.fromkeys(item for item, _ in brought)
     of_trees: dict[NodeTree, Traits] = {}
     looks: dict[Material, Traits] = {}
@@ -168,10 +190,20 @@ def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
     )  # fmt: skip
 
 
+def _origin(made: Material) -> Origin | None:
+    groups = [node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup"]
+    if not groups or any(node.node_tree is None for node in groups):
+        return None
+    try:
+        return origin_of(made)
+    except (StopIteration, KeyError, ValueError):
+        return None
+
+
 # What is rendered
 
 
-def _brought(scene: Scene, *, update: bool) -> list[tuple[Object, str]]:
+def _brought(scene: Scene) -> list[tuple[Object, str]]:
     """Each object that is rendered, and what brings it: "" for a plain object of the scene, which instances may repeat.
 
     Of several instances the first is named.
@@ -188,7 +220,7 @@ def _brought(scene: Scene, *, update: bool) -> list[tuple[Object, str]]:
     for item, via in waiting:  # which grows meanwhile
         if (item, bool(via)) not in done:
             done[item, bool(via)] = via
-            waiting += [(one, via or f'the instance "{item.name}"') for one in _instances(item, scene, update=update)]
+            waiting += [(one, via or f'the instance "{item.name}"') for one in _instances(item, scene)]
     return [(item, via) for (item, _), via in done.items()]
 
 
@@ -197,7 +229,7 @@ def _is_copied(item: Object) -> bool:
     return item.parent is not None and item.parent.instance_type in BRINGS_INSTANCES
 
 
-def _instances(item: Object, scene: Scene, *, update: bool) -> Iterator[Object]:
+def _instances(item: Object, scene: Scene) -> Iterator[Object]:
     """What an object brings: collections, particles and what Geometry Nodes instance."""
     if item.instance_type == "COLLECTION" and item.instance_collection is not None:
         yield from _inside(item.instance_collection)
@@ -208,7 +240,7 @@ def _instances(item: Object, scene: Scene, *, update: bool) -> Iterator[Object]:
         elif how.render_type == "COLLECTION" and how.instance_collection is not None:
             yield from _inside(how.instance_collection)
     if any(one.type == "NODES" and one.show_render and one.node_group for one in item.modifiers):
-        yield from _of_geometry_nodes(item, scene, update=update)
+        yield from _of_geometry_nodes(item, scene)
 
 
 def _inside(collection: Collection) -> Iterator[Object]:
@@ -218,14 +250,10 @@ def _inside(collection: Collection) -> Iterator[Object]:
             yield from _inside(child)
 
 
-def _of_geometry_nodes(item: Object, scene: Scene, *, update: bool) -> Iterator[Object]:
+def _of_geometry_nodes(item: Object, scene: Scene) -> Iterator[Object]:
     """By the instances' references, of which there are few however many instances there are."""
     layer = next((one for one in scene.view_layers if item.name in one.objects), None)
-    if layer is None:
-        return
-    if update:
-        layer.update()
-    if layer.depsgraph is None:
+    if layer is None or layer.depsgraph is None:
         return
     waiting = [item.evaluated_get(layer.depsgraph).evaluated_geometry()]
     while waiting:

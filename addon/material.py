@@ -96,9 +96,15 @@ def binds(estimator: str, lamp_size: float, model: str = "cook_torrance") -> boo
     return estimator in EVERY_LAMP or (estimator not in NATIVE and lamp_size == 0.0)
 
 
-def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") -> tuple[Object, ...]:
-    """The strongest lamps that the material evaluates itself, as ``binds`` says for their size."""
-    followed = [item for item in lamp_binding.of_scene(scene) if lamp_binding.refusal(item) is None]
+def lamps_to_bind(
+    scene: Scene, estimator: str, model: str = "cook_torrance", shown: Sequence[Object] | None = None
+) -> tuple[Object, ...]:
+    """The strongest lamps that the material evaluates itself, as ``binds`` says for their size.
+
+    shown: those of the scene, strongest first, where the caller knows them.
+    """
+    shown = lamp_binding.of_scene(scene) if shown is None else shown
+    followed = [item for item in shown if lamp_binding.refusal(item) is None]
     return tuple(item for item in followed if binds(estimator, lamp_binding.size(item), model))[: lamp_binding.LIMIT]
 
 
