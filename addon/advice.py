@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..nodegroups import cook_torrance_closure, lamp
-from . import lamps, rays
+from . import facts, lamps, rays
 from .material import (
     BUILDERS,
     EVERY_LAMP,
@@ -19,9 +19,6 @@ from .material import (
     RANDOM,
     binds,
     bound_slots,
-    is_ours,
-    lamps_to_bind,
-    origin_of,
 )
 from .rebuild import rebuild
 
@@ -30,72 +27,93 @@ if TYPE_CHECKING:
 
     from bpy.types import Material, Object, Scene
 
+    from .facts import SceneFacts
     from .lamps import Light
     from .presets import Preset
 
 SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
-LAMP_SIZE = 0.05  # metres: what "Give lamps a size" gives points and spots
+LAMP_SIZE = 0.05  # metres: what "Give Lights a Size" gives points and spots
 WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
 LIGHTEST = 1e-5  # weight of a closure, below which Cycles makes none
 FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light turns in glass that often and more
 FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
 
 
+NAMES = {"corrected": "Exact Lights", "mirror": "Reference"}  # what artists call them; others go by their own names
+LIGHTING_PASSES = ("diffuse", "glossy", "transmission", "subsurface")
+
+
 @dataclass(frozen=True)
 class Problem:
-    """Something that keeps an estimator from rendering as it should; ``mend`` is None where only the user can."""
+    """Something that keeps an estimator from rendering as it should; ``mend`` is None where only the user can.
+
+    costs: what mending it takes from the rest of the scene, which *Mend All* therefore leaves alone; "" if nothing.
+    """
 
     key: str
     text: str
     button: str = ""
     mend: Callable[[], None] | None = None
+    costs: str = ""
 
 
-def problems(scene: Scene, backend: str, estimator: str, m: float = 0.0, model: str = "cook_torrance") -> list[Problem]:
-    """What is wrong with ``scene`` for this choice, the gravest first."""
-    found = list(_engine_problems(scene, backend))
-    known = BUILDERS[model]
-    if estimator not in known:
-        text = f"This material has no {estimator.title()}; choose {', '.join(map(str.title, known))} or Automatic"
+def problems(
+    scene: Scene | SceneFacts, backend: str, estimator: str, m: float = 0.0, model: str = "cook_torrance"
+) -> list[Problem]:
+    """What is wrong with a scene for this choice, the gravest first."""
+    known = facts.of(scene)
+    found = list(_engine_problems(known.scene, backend))
+    has = BUILDERS[model]
+    if estimator not in has:
+        text = f"This material has no {_name(estimator)}; choose {', '.join(map(_name, has))} or Automatic"
         return [*found, Problem("model", text)]
+    bound = known.to_bind(estimator, model)
     if estimator in RANDOM:
-        found += _mirror_problems(scene, estimator, model)
-        if model != "glass" or m > 0.0:  # a smooth interface draws nothing
-            found += _ray_problems(scene)
-        found += _shadow_problems(backend, estimator, lamps_to_bind(scene, estimator, model))
+        found += [*_unseen_problems(known, estimator, model), *_setting_problems(known.scene, estimator, model)]
+    if estimator in RANDOM and (model != "glass" or m > 0.0):  # a smooth interface draws nothing
+        found += _ray_problems(known.scene)
     if estimator == "direct":
-        found += _direct_problems(scene)
+        found += _direct_problems(known)
     if estimator in EVERY_LAMP:
-        found += _bound_problems(scene, backend, estimator)
+        found += _followed_problems(known, estimator, bound)
+    if bound:
+        found += [*_shadow_problems(backend, estimator, bound), *_emitted_problems(known, estimator)]
+    if estimator not in NATIVE:
+        found += _picture_problems(known.scene, estimator, model, bound)
     if estimator in {*NATIVE, "corrected", "hybrid"} and m > 1.0:
-        but = " but at bound lamps" if estimator == "corrected" else ""
-        text = f"{estimator.title()} ends at m = 1{but}, to which Cycles clamps; m is {m:g}. Choose Mirror"
+        but = " except at bound lights" if estimator == "corrected" else ""
+        text = f"{_name(estimator)} ends at m = 1{but}, to which Cycles clamps; m is {m:g}. Choose Reference"
         found.append(Problem("slope", text))
     return found
 
 
-def problems_with(scene: Scene, preset: Preset, backend: str, estimator: str) -> list[Problem]:
+def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estimator: str) -> list[Problem]:
     """The same for a preset, and what the preset's own numbers ask of the estimator."""
-    found = problems(scene, backend, estimator, preset.m, preset.model)
+    known = facts.of(scene)
+    found = problems(known, backend, estimator, preset.m, preset.model)
     for part in list(preset.parts().values()) or [preset]:
         if part.model == "cook_torrance" and estimator in BUILDERS[preset.model]:
             found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
     if preset.model == "glass" and preset.kind != "thin":  # a sheet has no inside
-        found += _bounce_problems(scene)
-    return [*found, *_stale_problems(scene)]
+        found += _bounce_problems(known.scene)
+    return [*found, *_stale_problems(known)]
+
+
+def _name(estimator: str) -> str:
+    return NAMES.get(estimator, estimator.title())
 
 
 def _fresnel_problems(preset: Preset, backend: str, estimator: str) -> Iterator[Problem]:
     off = native_fresnel_error(preset.kind, backend)
     if off and estimator not in {"mirror", "direct"}:
-        mend = "choose Mirror" if preset.kind == "conductor" else "choose OSL or Mirror"
+        mend = "choose Reference" if preset.kind == "conductor" else "choose OSL or Reference"
         text = f"Cycles' own lobes approximate this Fresnel term in Blender {bpy.app.version_string}"
         yield Problem("fresnel", f"{text}: up to {100 * off:g} % of the light; {mend}")
     head_on = preset.reference_fresnel()(1.0)
     weak = preset.kind != "conductor" and (min(head_on) < WEAKEST or _is_thinner(preset))
     if estimator == "hybrid" and weak:
         text = f"Hybrid's bound holds for reflectances head-on from {WEAKEST:g}, seen from the thinner side"
-        yield Problem("bound", f"{text}; this material has {min(head_on):.2g}. Choose Mirror")
+        yield Problem("bound", f"{text}; this material has {min(head_on):.2g}. Choose Reference")
     if preset.kind == "dielectric" and 0.0 < max(head_on) < LIGHTEST and estimator != "direct":
         text = f"Cycles leaves out light below {LIGHTEST:g} of what came, and this material reflects {max(head_on):.2g}"
         yield Problem("faint", f"{text} head-on; an IOR farther from 1 reflects more")
@@ -110,7 +128,9 @@ def _bounce_problems(scene: Scene) -> Iterator[Problem]:
         said = ", ".join(f"{kinds[name]} {most}" for name, most in few.items())
         text = f"Light that glass turns more often than Max Bounces allow is lost: {said}"
         enough = dict.fromkeys(few, FEWEST_BOUNCES)
-        yield Problem("bounces", text, f"Allow {FEWEST_BOUNCES} Bounces", partial(_set, cycles, **enough))
+        yield Problem(
+            "bounces", text, f"Allow {FEWEST_BOUNCES} Bounces", partial(_set, cycles, **enough), "longer renders"
+        )
 
 
 def _is_thinner(preset: Preset) -> bool:
@@ -127,23 +147,19 @@ def native_fresnel_error(kind: str, backend: str) -> float:
     return 0.035 if backend == "nodes" else 0.0
 
 
-def _stale_problems(scene: Scene) -> Iterator[Problem]:
-    """Materials made before a lamp was added or lost its size: what that lamp gives would be missing."""
-    used = {
-        slot.material
-        for item in lamps.rendered(scene)
-        for slot in item.material_slots
-        if slot.material and is_ours(slot.material)
-    }
-    for made in sorted(used, key=lambda one: one.name):
-        origin = origin_of(made)
-        missing = [
-            light.name for light in lamps_to_bind(scene, origin.estimator, origin.preset.model)
-            if str(light.slot) not in bound_slots(made)
-        ]  # fmt: skip
+def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
+    """Materials that lost their node group, and those made before a light was added or lost its size."""
+    for made, origin in known.origins.items():
+        update = partial(_update, made, known.scene)
+        if origin is None:
+            yield Problem(f"lost {made.name}", f"{made.name} has lost its node group", "Update", update)
+            continue
+        held = bound_slots(made) if origin.estimator not in NATIVE else set()
+        missing = [one for one in known.to_bind(origin.estimator, origin.preset.model) if str(one.slot) not in held]
         if missing:
-            text = f"{made.name} was made before {', '.join(missing)} had to be bound, and misses that light"
-            yield Problem(f"stale {made.name}", text, "Update", partial(_update, made, scene))
+            what = "are as Standard has them" if origin.estimator == "corrected" else "are missing"
+            text = f"Not included in {made.name} yet, where they {what}: {_names(missing)}"
+            yield Problem(f"stale {made.name}", text, "Update", update)
 
 
 def _update(made: Material, scene: Scene) -> None:
@@ -161,7 +177,8 @@ def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
         yield Problem("osl", text, "Switch OSL On", lambda: _set(cycles, shading_system=True))
     elif backend == "osl" and cycles.device == "GPU" and _compute_device() not in {"NONE", "OPTIX"}:
         text = f"OSL runs on the CPU and on OptiX, not on {_compute_device()}; choose the backend Nodes"
-        yield Problem("device", text, "Render on the CPU", lambda: _set(cycles, device="CPU"))
+        mend = partial(_set, cycles, device="CPU")
+        yield Problem("device", text, "Render on the CPU", mend, "everything renders on the CPU")
 
 
 def _compute_device() -> str:
@@ -170,52 +187,64 @@ def _compute_device() -> str:
     return addon.preferences.compute_device_type if addon else "NONE"
 
 
-def _mirror_problems(  # noqa: C901 - one condition a problem
-    scene: Scene, estimator: str = "mirror", model: str = "cook_torrance"
-) -> Iterator[Problem]:
-    cycles, world, name = scene.cycles, scene.world, estimator.title()
-    part = "" if estimator == "mirror" else " but Fit's share"
-    bound = {light.item for light in lamps_to_bind(scene, estimator, model)}
-    sought = [item for item in lamps.of_scene(scene) if item not in bound]
-    pointlike = [item for item in sought if lamps.size(item) == 0.0]
+def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[Problem]:
+    """What shines and is not met by random facets, or rarely."""
+    name, but = _name(estimator), "" if estimator == "mirror" else ", but for Fit's share"
+    sought, world = known.unbound(known.to_bind(estimator, model)), known.scene.world
+    pointlike = [one for one in sought if not one.sized]
     if pointlike:
-        text = f"{name} cannot see{part or ' anything'} of lamps of zero size that are not bound: {_names(pointlike)}"
-        yield Problem("size", text, "Give Lamps a Size", lambda: _give_size(pointlike))
-    unseen = [item for item in sought if not item.data.cycles.use_multiple_importance_sampling]
-    if unseen:
-        text = f"{name} sees nothing{part} of lamps with Multiple Importance off: {_names(unseen)}"
-        yield Problem("mis", text, "Switch Multiple Importance On", lambda: _use_mis(unseen))
-    if world is not None and world.cycles.sampling_method == "NONE":
-        text = f"{name} sees nothing{part} of a world with Multiple Importance off"
-        yield Problem("world", text, "Sample the World", lambda: _set(world.cycles, sampling_method="AUTOMATIC"))
-    small = [item for item in sought if lamps.size(item) > 0.0 and is_small(item)]
+        text = f"{name} does not see lights of zero size that it cannot bind{but}: {_lights(pointlike)}"
+        mend = partial(_give_size, pointlike)
+        yield Problem("size", text, "Give Lights a Size", mend, "softer shadows everywhere")
+    unsampled = [one for one in sought if not one.sampled]
+    if unsampled:
+        text = f"{name} does not see lights whose Multiple Importance is off{but}: {_lights(unsampled)}"
+        yield Problem("mis", text, "Switch Multiple Importance On", partial(_use_mis, unsampled))
+    if world is not None and not known.sky.sampled:
+        text = f"{name} does not see a world whose Multiple Importance is off{but}"
+        yield Problem("world", text, "Sample the World", partial(_set, world.cycles, sampling_method="AUTOMATIC"))
+    if known.sky.sun_disc:
+        text = f"{name} rarely hits the sun disc of the world's {known.sky.sun_disc}, whose light is lost or noisy"
+        yield Problem("disc", f"{text}; switch Sun Disc off and add a sun of zero size, which is bound")
+    emitters = [one for one in known.emitters if one.small]
+    if emitters:
+        text = f"{name} rarely hits small shining objects, whose light is lost or noisy"
+        yield Problem("emitters", f"{text}: {', '.join(one.name for one in emitters)}")
+    small = [one for one in sought if one.sized and one.small]
     if small:
-        text = f"{name} seldom hits small lamps and is noisy: {_names(small)}"
-        if binds(estimator, 0.0, model):
-            more = ". Of size 0 they are bound when you apply"
-            yield Problem("small", text + more, "Set Their Size to 0", lambda: _set_size(small, 0.0))
+        text = f"{name} rarely hits small lights and is noisy: {_lights(small)}"
+        shrinking = [one.item for one in small if not one.via and one.item.data.type != "AREA"]
+        if shrinking and binds(estimator, 0.0, model):
+            mend, costs = partial(_set_size, shrinking, 0.0), "sharp shadows everywhere"
+            more = ". Lights of size 0 are bound when you apply"
+            yield Problem("small", text + more, "Set Their Size to 0", mend, costs)
         else:
-            yield Problem("small", f"{text}; make them larger, or choose Closure")
+            yield Problem("small", f"{text}; make them larger, or choose Standard")
+
+
+def _setting_problems(scene: Scene, estimator: str, model: str) -> Iterator[Problem]:
+    """Settings that take light from random facets."""
+    cycles, name = scene.cycles, _name(estimator)
     if cycles.use_adaptive_sampling:
         text = f"Noise Threshold stops pixels that have not yet found a light, which darkens {name}"
-        yield Problem("adaptive", text, "Switch Noise Threshold Off", lambda: _set(cycles, use_adaptive_sampling=False))
+        mend = partial(_set, cycles, use_adaptive_sampling=False)
+        yield Problem("adaptive", text, "Switch Noise Threshold Off", mend, "longer renders")
     if cycles.blur_glossy > 0:
+        mend = partial(_set, cycles, blur_glossy=0.0)
         text = f"Filter Glossy is on and blurs {name}'s facets"
-        yield Problem("filter", text, "Set Filter Glossy to 0", lambda: _set(cycles, blur_glossy=0.0))
+        yield Problem("filter", text, "Set Filter Glossy to 0", mend, "more fireflies")
     if cycles.sample_clamp_indirect > 0:
+        mend = partial(_set, cycles, sample_clamp_indirect=0.0)
         text = f"Clamp Indirect is on and darkens {name}"
-        yield Problem("clamp", text, "Set Clamp Indirect to 0", lambda: _set(cycles, sample_clamp_indirect=0.0))
+        yield Problem("clamp", text, "Set Clamp Indirect to 0", mend, "more fireflies")
     if model == "glass" and not cycles.caustics_refractive:
         text = f"Refractive Caustics are off: light through {name} is lost"
-        yield Problem("refractive", text, "Switch Caustics On", lambda: _set(cycles, caustics_refractive=True))
+        mend = partial(_set, cycles, caustics_refractive=True)
+        yield Problem("refractive", text, "Switch Caustics On", mend, "more noise")
     if not cycles.caustics_reflective:
         text = f"Reflective Caustics are off: light by way of {name} is lost"
-        yield Problem("caustics", text, "Switch Caustics On", lambda: _set(cycles, caustics_reflective=True))
-
-
-def unseen(scene: Scene, model: str) -> bool:
-    """Whether random rays miss a light of the scene, or nearly so."""
-    return any(problem.key in {"size", "mis", "world", "small"} for problem in _mirror_problems(scene, model=model))
+        mend = partial(_set, cycles, caustics_reflective=True)
+        yield Problem("caustics", text, "Switch Caustics On", mend, "more noise")
 
 
 def _ray_problems(scene: Scene) -> Iterator[Problem]:
@@ -236,47 +265,83 @@ def _ray_problems(scene: Scene) -> Iterator[Problem]:
         yield Problem("rays", f"{text}. The camera looks at too small an angle; move it nearer and shorten its lens")
 
 
-def _direct_problems(scene: Scene) -> Iterator[Problem]:
-    if not any(lamps.refusal(item) is None for item in lamps.of_scene(scene)):
-        yield Problem("lamps", "Direct shows bound lamps alone, and this scene has none that it can follow")
+def _direct_problems(known: SceneFacts) -> Iterator[Problem]:
+    if not known.followed:
+        yield Problem("lamps", "Direct shows bound lights alone, and this scene has none that it can follow")
     else:
-        yield Problem("alone", "Direct shows bound lamps alone: no world, no reflections of other objects")
+        yield Problem("alone", "Direct shows bound lights alone: no world, no reflections of other objects")
 
 
-def _bound_problems(scene: Scene, backend: str, estimator: str) -> Iterator[Problem]:
-    name, rest = estimator.title(), "left out" if estimator == "direct" else "as Fit has them"
-    shown = lamps.of_scene(scene)
-    followed = [item for item in shown if lamps.refusal(item) is None]
-    if not followed and estimator == "corrected":
-        yield Problem("lamps", "Corrected has no lamp to correct here and is the same as Fit")
-    for item in shown:
-        if refused := lamps.refusal(item):
-            yield Problem("refused", refused[0].upper() + refused[1:])
-    if len(followed) > lamps.LIMIT:
-        text = f"{name} binds the {lamps.LIMIT} strongest lamps; {rest}: {_names(followed[lamps.LIMIT :])}"
-        yield Problem("limit", text)
-    sized = [item for item in followed if lamps.size(item) > 0]
-    if sized:
-        text = f"{name} draws a random point on lamps with a size, which brings noise: {_names(sized)}"
-        yield Problem("sized", text)
-        yield from _ray_problems(scene)
-    yield from _shadow_problems(backend, estimator, followed)
+def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
+    """Lights that the formula is not evaluated at."""
+    name, rest = _name(estimator), "left out" if estimator == "direct" else "as Standard has them"
+    if not known.followed and estimator == "corrected":
+        yield Problem("lamps", f"{name} finds no light that it can bind here and is the same as Standard")
+    for refused in known.refusals.values():
+        yield Problem("refused", refused[0].upper() + refused[1:])
+    brought = [one for one in known.unbound([*known.followed, *known.refusals]) if one.via]
+    if brought:
+        text = f"{name} binds lights of the scene itself, of its collection instances and background sets"
+        yield Problem("brought", f"{text}; {rest}: {_lights(brought)}")
+    items = {light.item for light in bound}
+    if left := [light for light in known.followed if light.item not in items]:
+        yield Problem("limit", f"{name} binds the {len(bound)} strongest lights; {rest}: {_names(left)}")
+    if any(lamps.size(item) > 0 for item in items):
+        yield from _ray_problems(known.scene)
 
 
-def _shadow_problems(backend: str, estimator: str, bound: Sequence[Light | Object]) -> Iterator[Problem]:
-    if bound and backend == "nodes" and not lamp.can_cast_shadows():
-        what = {"direct": "Bound lamps", "corrected": "What Corrected adds of lamps"}
-        text = f"{what.get(estimator, 'Lamps of zero size')} shine through things with nodes in this Blender"
+def _emitted_problems(known: SceneFacts, estimator: str) -> Iterator[Problem]:
+    """What differs from Cycles' own light where bound lights are added as emission."""
+    name, layers = _name(estimator), [layer for layer in known.scene.view_layers if layer.use]
+    between = [f"{one} (hidden from shadow rays)" for one in known.unshadowed]
+    between += [f"{one} (transparent)" for one in known.seen_through]
+    between += [f"{one} (volume)" for one in known.volumes]
+    if between:
+        then = "; what they shade is as Standard has it" if estimator == "corrected" else ""
+        text = f"At bound lights {name} does not see light pass as Cycles does through {', '.join(between)}{then}"
+        yield Problem("between", text)
+    if known.groups:
+        yield Problem("groups", f"What {name} adds for bound lights is emitted and lands in no light group")
+    if any(getattr(layer, name) for layer in layers for name in _lighting_passes()):
+        yield Problem("passes", f"What {name} adds for bound lights stands in the Emission pass")
+
+
+def _lighting_passes() -> list[str]:
+    kinds = [f"{of}_{part}" for of in LIGHTING_PASSES for part in ("direct", "indirect", "color")]
+    return [f"use_pass_{kind}" for kind in ("emit", *kinds)]
+
+
+def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[Light]) -> Iterator[Problem]:
+    """Clamping, baking, and view layers that show another material."""
+    name, cycles = _name(estimator), scene.cycles
+    if cycles.sample_clamp_direct > 0 and (estimator == "hybrid" or (estimator == "corrected" and bound)):
+        mend = partial(_set, cycles, sample_clamp_direct=0.0)
+        text = f"Clamp Direct is on and clamps the parts of {name} one by one, which changes their sum"
+        yield Problem("clamp-direct", text, "Set Clamp Direct to 0", mend, "more fireflies")
+    diffuse = estimator in RANDOM and model in {"oren_nayar", "sum", "car_paint"}
+    if cycles.bake_type in {"DIFFUSE", "GLOSSY"} and (bound or diffuse):
+        what = "what it adds for bound lights" if bound else "its diffuse part, which it mirrors"
+        text = f"A {cycles.bake_type.title()} bake of {name} lacks {what}; bake Combined, or choose Standard"
+        yield Problem("bake", text)
+    for layer in scene.view_layers:
+        if layer.use and layer.material_override is not None:
+            text = f"The view layer {layer.name} shows {layer.material_override.name} in place of every material"
+            yield Problem(f"override {layer.name}", text)
+
+
+def _shadow_problems(backend: str, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
+    if backend == "nodes" and not lamp.can_cast_shadows():
+        what = {"direct": "Bound lights", "corrected": "What Exact Lights adds of lights"}
+        text = f"{what.get(estimator, 'Lights of zero size')} shine through things with nodes in this Blender"
         yield Problem("shadows", f"{text}, which has no Raycast node; choose OSL: {_names(bound)}")
 
 
-def _names(items: Sequence[Light | Object]) -> str:
+def _names(items: Sequence[Light]) -> str:
     return ", ".join(item.name for item in items)
 
 
-def is_small(item: Object) -> bool:
-    """Whether a random mirror direction seldom meets this lamp: suns under 5 degrees, and all points and spots."""
-    return item.data.type in {"POINT", "SPOT"} or (item.data.type == "SUN" and item.data.angle < radians(5.0))
+def _lights(found: Sequence[facts.Light]) -> str:
+    return ", ".join(one.name for one in found)
 
 
 def _set(owner: object, **values: object) -> None:
@@ -284,9 +349,9 @@ def _set(owner: object, **values: object) -> None:
         setattr(owner, name, value)
 
 
-def _give_size(pointlike: Sequence[Object]) -> None:
-    for item in pointlike:
-        _set_size([item], SUN_SIZE if item.data.type == "SUN" else LAMP_SIZE)
+def _give_size(pointlike: Sequence[facts.Light]) -> None:
+    for one in pointlike:
+        _set_size([one.item], SUN_SIZE if one.item.data.type == "SUN" else LAMP_SIZE)
 
 
 def _set_size(items: Sequence[Object], size: float) -> None:
@@ -294,6 +359,6 @@ def _set_size(items: Sequence[Object], size: float) -> None:
         setattr(item.data, {"SUN": "angle", "AREA": "size"}.get(item.data.type, "shadow_soft_size"), size)
 
 
-def _use_mis(unseen: Sequence[Object]) -> None:
-    for item in unseen:
-        item.data.cycles.use_multiple_importance_sampling = True
+def _use_mis(unsampled: Sequence[facts.Light]) -> None:
+    for one in unsampled:
+        one.item.data.cycles.use_multiple_importance_sampling = True

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from . import facts
 from .advice import problems_with
 from .automatic import pick_estimator
-from .material import Choice, build, lamps_to_bind
+from .material import Choice, build
 from .scene import SceneError
 from .slots import give, refusal
 
@@ -42,20 +43,23 @@ def assign(
     """
     if backend == "osl":
         scene.cycles.shading_system = True
+    known, chosen_for = facts.of(scene), []
     said: dict[str, None] = {}
     for name, preset in given:
         wanted = f'{where}"{name}={preset.id}"'
-        known = into.get(name) if into is not None else None
-        item, index, note = _slot(scene, name, wanted, known)
-        chosen = pick_estimator(scene, preset, backend) if estimator == "auto" else estimator
-        bound_lamps = lamps_to_bind(scene, chosen, preset.model)
-        choice = Choice(backend, chosen, bound_lamps, bound=bound, play=play if preset.time else None)
-        if into is not None and known is None:  # of its own, though there be another like it
-            known = into[name] = bpy.data.materials.new(preset.name)
-        give(build(preset, choice, known), item, index, alone=True)
+        made = into.get(name) if into is not None else None
+        item, index, note = _slot(scene, name, wanted, made)
+        chosen = pick_estimator(known, preset) if estimator == "auto" else estimator
+        bound_lights = known.to_bind(chosen, preset.model)
+        choice = Choice(backend, chosen, bound_lights, bound=bound, play=play if preset.time else None)
+        if into is not None and made is None:  # of its own, though there be another like it
+            made = into[name] = bpy.data.materials.new(preset.name)
+        give(build(preset, choice, made), item, index, alone=True)
         said |= dict.fromkeys(note)
-        said |= dict.fromkeys(problem.text for problem in problems_with(scene, preset, backend, chosen))
-    return list(said)
+        chosen_for.append((preset, chosen))
+    known = facts.of(scene)  # with the materials that were given
+    found = [p for preset, chosen in chosen_for for p in problems_with(known, preset, backend, chosen)]
+    return list(said | dict.fromkeys(problem.text for problem in found))
 
 
 def _slot(scene: Scene, name: str, wanted: str, known: Material | None) -> tuple[Object, int, list[str]]:

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..nodegroups import eevee
-from . import animation, automatic
-from . import lamps as lamp_binding
+from . import animation, automatic, facts
 from .animation import Play
-from .material import NATIVE, RANDOM, Choice, absorbs, build, lamps_to_bind
+from .material import NATIVE, RANDOM, Choice, absorbs, build
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from bpy.types import Material, Node, NodeSocket, NodeTree, Scene
 
+    from .facts import SceneFacts
     from .presets import Preset
 
 FRESNEL = {
@@ -57,24 +57,28 @@ class Size:
     instructions: int
 
 
-def explain(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> Account:
+def explain(preset: Preset, shown: Scene | SceneFacts, backend: str, estimator: str = "auto") -> Account:
     """The material that ``preset`` gets in ``shown``, with its account; raises what ``build`` raises."""
-    choice, pick = chosen(preset, shown, backend, estimator)
+    known = facts.of(shown)
+    choice, pick = chosen(preset, known, backend, estimator)
     made = build(preset, choice)
     lines = [Line(f"estimator {pick.estimator}", pick.why, kept=True)]
     if pick.estimator != "closure":
         lines.append(Line("closure beside it", "EEVEE shows that; Cycles leaves it out", kept=True))
     lines += [*_model(preset), *_nodes(made, backend), *_left_out(preset, pick.estimator)]
-    lines += _lamps(pick.estimator, shown, [lamp.name for lamp in choice.lamps])
+    lines += _lights(pick.estimator, known, [one.name for one in choice.lamps])
     return Account(made, choice, lines)
 
 
-def chosen(preset: Preset, shown: Scene, backend: str, estimator: str = "auto") -> tuple[Choice, automatic.Pick]:
+def chosen(
+    preset: Preset, shown: Scene | SceneFacts, backend: str, estimator: str = "auto"
+) -> tuple[Choice, automatic.Pick]:
     """How ``preset`` is built in ``shown``, and why by that estimator."""
+    known = facts.of(shown)
     pick = automatic.Pick(estimator, "it was asked for")
     if estimator == "auto":
-        pick = automatic.pick(shown, preset, backend)
-    return Choice(backend, pick.estimator, lamps_to_bind(shown, pick.estimator, preset.model)), pick
+        pick = automatic.pick(known, preset)
+    return Choice(backend, pick.estimator, known.to_bind(pick.estimator, preset.model)), pick
 
 
 def size_of(made: Material) -> Size:
@@ -148,19 +152,19 @@ def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
         yield Line("random numbers", f"{estimator} draws no facets", kept=False)
 
 
-def _lamps(estimator: str, shown: Scene, bound: list[str]) -> Iterator[Line]:
+def _lights(estimator: str, known: SceneFacts, bound: list[str]) -> Iterator[Line]:
     if bound:
         yield Line(
-            f"{len(bound)} bound lamp{'s' * (len(bound) > 1)}",
+            f"{len(bound)} bound light{'s' * (len(bound) > 1)}",
             f"evaluated by the formula: {', '.join(bound)}; whatever stands between counts as opaque",
             kept=True,
         )
     else:
-        why = "Cycles' closures see every lamp by themselves" if estimator in NATIVE else "there is none to bind"
+        why = "Cycles' closures see every light by themselves" if estimator in NATIVE else "there is none to bind"
         yield Line("lamp terms", why, kept=False)
-    unfollowed = [lamp.name for lamp in lamp_binding.of_scene(shown) if lamp_binding.refusal(lamp)]
-    if unfollowed and estimator not in NATIVE:
-        yield Line(f"lamps {', '.join(unfollowed)}", "the formula cannot follow them", kept=False)
+    if estimator not in NATIVE and known.refusals:
+        names = ", ".join(one.name for one in known.refusals)
+        yield Line(f"lights {names}", "the formula cannot follow them", kept=False)
 
 
 def nodes_inside(tree: NodeTree) -> list[Node]:

@@ -151,7 +151,8 @@ def _brought(scene: Scene) -> Iterator[Light]:
     for shown, in_set in ((scene, False), *((one, True) for one in _sets(scene))):
         for item in rendered(shown):
             if item.type == "LIGHT":
-                yield Light(item, scene, in_set=in_set)
+                if item.parent is None or item.parent.instance_type not in {"VERTS", "FACES"}:  # else only copies shine
+                    yield Light(item, scene, in_set=in_set)
             elif item.instance_type == "COLLECTION" and item.instance_collection and not item.hide_render:
                 inside = _of_collection(item.instance_collection)
                 yield from (Light(one, scene, item, in_set) for one in inside if one.type == "LIGHT")
@@ -239,7 +240,11 @@ def followed(scene: Scene) -> list[Light]:
 
     They are the strongest of all and the strongest of those without a size, ``LIMIT`` of each.
     """
-    fit = [light for light in all_lights(scene) if refusal(light) is None]
+    return placed([light for light in all_lights(scene) if refusal(light) is None])
+
+
+def placed(fit: list[Light]) -> list[Light]:
+    """Of lights that the formula can follow, strongest first: those that get a place in the rig, with their numbers."""
     wanted = {*fit[:LIMIT], *[light for light in fit if size(light.item) == 0.0][:LIMIT]}
     counts: Counter[Slot] = Counter()
     numbered = []

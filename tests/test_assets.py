@@ -70,7 +70,7 @@ def test_appended_materials_render_as_those_built_directly(balls, blender, libra
     members = [preset for preset in shipped().values() if preset.family == family]
 
     def built(_stage):
-        return [build(p, Choice("nodes", automatic.anywhere(p))) for p in members]
+        return [build(p, Choice("nodes", automatic.pick_estimator(None, p))) for p in members]
 
     direct = balls(built, lit="above")
     blender.ops.wm.read_factory_settings(use_empty=True)

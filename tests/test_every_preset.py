@@ -16,7 +16,7 @@ FAMILIES = sorted({preset.family for preset in all_presets().values()})
 
 
 def by_auto(members, backend, stage):
-    return [build(p, Choice(backend, automatic.pick_estimator(stage, p, backend))) for p in members]
+    return [build(p, Choice(backend, automatic.pick_estimator(stage, p))) for p in members]
 
 
 def family(name):

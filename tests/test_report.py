@@ -433,8 +433,8 @@ def test_scenes_that_the_bias_of_mirror_is_not_judged_in_are_said():
     )
 
 
-def test_what_automatic_may_not_pick_is_counted_too():
-    """Of corrected it is told that it may not pick it, and how often it is near the best all the same."""
+def test_what_automatic_never_picks_is_compared_too():
+    """How often Automatic is near the best of all estimators, and what it costs where it is not."""
     cell = accuracy() | {"auto": ["fit"] * len(COUNTS)}
     cells = {"accuracy/a/b": cell, "picks/a/b": {"estimators": cell["auto"], "refused": {"corrected": "why"}}}
     content = report(cells={"accuracy/a/b": cell})
@@ -445,7 +445,14 @@ def test_what_automatic_may_not_pick_is_counted_too():
     assert picks[-1].of_all > 2.0 > picks[-1].ratio
     near = sum(pick.of_all <= findings.CLOSE for pick in picks)
     text = next(claim.found for claim in claims.of(run_) if claim.claim.startswith("Automatic"))
-    assert f"leave light out or shine through things, at {near}" in text
+    worst = max(picks, key=lambda pick: pick.of_all)
+    assert worst.best_of_all == "corrected"
+    assert f"compared with all estimators at {near}, at worst {worst.of_all:.3g} ×" in text
+    assert f"{worst.samples} samples, corrected)" in text
+    (one,) = run_.contests
+    assert f"that of the best of all (corrected, at {worst.samples} samples). It never picks corrected (why)." in (
+        summary.about(one)
+    )
 
 
 def test_a_slope_of_two_counts_is_not_known():

@@ -50,7 +50,7 @@ def title(family: str) -> str:
 
 def as_asset(preset: presets.Preset, name: str) -> bpy.types.Material:
     """A material for any scene, marked as an asset; what changes plays its course."""
-    estimator = automatic.anywhere(preset)
+    estimator = automatic.pick_estimator(None, preset)
     play = animation.Play() if preset.time else None
     made = material.build(preset, material.Choice("nodes", estimator, play=play))
     made.name = name

@@ -117,15 +117,17 @@ def _automatic(run: Run) -> Claim | None:
     found = f"at {near} of {len(run.picks)} sample counts"
     if by_chance := len(run.picks) - near - far:
         found += f", and as far as chance lets one tell at {by_chance} more"
-    if (of_all := sum(pick.of_all <= CLOSE for _, pick in run.picks)) < near:
-        found += (
-            f"; of all, those too that it may not pick where they leave light out or shine through things, at {of_all}"
-        )
     if worst.ratio > 1.0:
         found += (
             f"; at worst it errs {times(worst.ratio)} as much as {worst.winner} "
             f"({contest.title}, {worst.samples} samples, {worst.estimator}; this factor is known to "
             f"{100.0 * worst.doubt:.0f} %)"
+        )
+    if (of_all := sum(pick.of_all <= CLOSE for _, pick in run.picks)) < near:
+        contest, worst = max(run.picks, key=lambda one: one[1].of_all)
+        found += (
+            f"; compared with all estimators at {of_all}, at worst {times(worst.of_all)} the error of the best "
+            f"({contest.title}, {worst.samples} samples, {worst.best_of_all})"
         )
     return Claim(f"Automatic is within {100 * (CLOSE - 1):.0f} % of the best that it may pick", found, not far)
 

@@ -243,7 +243,7 @@ class Pick:
 
     Both are given equal processor time for their samples. What a render starts with is left out: it does not grow with
     the picture, and those that a report renders are small. doubt: the standard error of the ratio's logarithm. of_all:
-    over the best of all, those too that it may not pick.
+    its error over that of ``best_of_all``, the best of all estimators, also those that Automatic never picks.
     """
 
     samples: int
@@ -252,6 +252,7 @@ class Pick:
     ratio: float
     doubt: float
     of_all: float
+    best_of_all: str
 
     @property
     def close(self) -> bool:
@@ -274,7 +275,7 @@ class Contest:
     truth: str
     curves: dict[str, Curve]
     picked: tuple[str, ...]
-    refused: dict[str, str]  # what Automatic may not pick, and why
+    refused: dict[str, str]  # what Automatic never picks here, and why
     pictures: dict[str, str]  # by contender, and the "reference"
     picture_samples: int
     size: int  # pixels, across and down
@@ -367,13 +368,14 @@ class Contest:
             of_all[name] = float(own.rmse[index])
             errors = {one: error for one, error in of_all.items() if one not in self.refused}
             winner = min(errors, key=lambda one: errors[one])
+            best_of_all = min(of_all, key=lambda one: of_all[one])
             ratio, beside_all = (
-                errors[name] / least if least > 0.0 else 1.0 for least in (errors[winner], min(of_all.values()))
+                errors[name] / least if least > 0.0 else 1.0 for least in (errors[winner], of_all[best_of_all])
             )
             best = by_estimator[winner]
             there = int(np.searchsorted(best.samples[1:], seconds / best.per_sample, side="right"))
             doubt = np.hypot(self._doubt(own)[index], self._doubt(best)[there])
-            found.append(Pick(int(own.samples[index]), name, winner, ratio, float(doubt), beside_all))
+            found.append(Pick(int(own.samples[index]), name, winner, ratio, float(doubt), beside_all, best_of_all))
         return found
 
     def _doubt(self, curve: Curve) -> NDArray[np.float64]:

@@ -2,9 +2,9 @@
 """What Automatic picks in each scene of ``accuracy``, at each of its sample counts. Renders nothing.
 
 {"scene": "sun", "subject": "copper", "samples": [4, 16, ...], "estimators": ["closure", "closure", ...],
-     "refused": {"direct": "Direct shows bound lamps alone: ..."}}
+     "refused": {"direct": "binds lights and shows nothing else", ...}}
 
-refused: what it may not pick, and why: its picture would lack light, or lamps would shine into shadows.
+refused: what Automatic never picks for this subject, and why.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from .. import advice, automatic, headless
-from ..material import BUILDERS
+from .. import automatic, facts, headless
+from ..material import BUILDERS, NATIVE
 from . import contenders
 from .record import Cell
 from .scenes import stage
@@ -21,7 +21,12 @@ from .scenes import stage
 if TYPE_CHECKING:
     from pathlib import Path
 
-REFUSED = {"alone", "shadows"}  # of ``advice.problems``
+REFUSED = {
+    "corrected": "binds lights",
+    "direct": "binds lights and shows nothing else",
+    "hybrid": "draws random facets",
+    "mirror": "draws random facets",
+}
 SIZE = 8  # pixels, which decide nothing
 
 
@@ -36,15 +41,11 @@ def measure(_folder: Path, name: str, subject: str, *, quick: bool) -> dict[str,
     """One scene and subject."""
     counts, preset, found = contenders.counts(quick=quick), contenders.subjects()[subject], []
     with headless.quiet(), stage(name, SIZE) as shown:
+        known = facts.of(shown.scene)
         for samples in counts:
             shown.scene.cycles.samples = samples
-            found.append(automatic.pick_estimator(shown.scene, preset))
-        refused = {
-            estimator: problem.text
-            for estimator in BUILDERS[preset.model]
-            for problem in advice.problems(shown.scene, "nodes", estimator, preset.m, preset.model)
-            if problem.key in REFUSED
-        }
+            found.append(automatic.pick_estimator(known, preset))
+    refused = {name: REFUSED[name] for name in BUILDERS[preset.model] if name not in {*NATIVE, *found}}
     return {
         "scene": name, "subject": subject, "samples": list(counts), "estimators": found, "refused": refused,
     }  # fmt: skip

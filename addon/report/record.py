@@ -52,7 +52,7 @@ DECIDES: dict[str, set[str]] = {
         ({"stability"}, "report/stability report/stability_pictures report/stability_reference"),
         ({"left_out"}, "report/left_out report/universal explain"),
         ({"left_out", "picks", "figures"}, "automatic"),
-        ({"left_out", "picks", "stability", "figures"}, "advice"),
+        ({"left_out", "picks", "stability", "figures"}, "advice facts"),
         ({"picks"}, "report/picks"),
     )
     for name in names.split()

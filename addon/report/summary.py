@@ -88,7 +88,9 @@ CURVES = (
     "sample count; < an upper bound, where it cannot be told from 0. Times: of the processor, and in brackets by the "
     "clock. FLIP: at the largest sample count, of the pixels that are judged. Not resolved: rare events make most of "
     "the noise, and no seed has met them; such sample counts are left out. Direct leaves out all but lamps, which "
-    "counts as its bias. Automatic goes by rounded numbers of reports like this one; no scene but these has tested it. "
+    "counts as its bias. Automatic picks one of Cycles' own closures by rounded numbers of reports like this one; no "
+    "scene but these has tested it. What that rule costs is said beside each scene: its error over that of the best of "
+    "all estimators at equal render time. "
     "Not raced: glass in a furnace, which sends back all light; what scatters below its surface under a lamp, which no "
     "formula at lamps has; pairs that tell nothing that the others do not."
 )
@@ -252,10 +254,14 @@ def about(contest: Contest) -> str:
     if contest.picks:
         choices = {pick.estimator: None for pick in contest.picks}
         worst = max(contest.picks, key=lambda pick: pick.ratio)
-        said += f" Automatic: {', then '.join(choices)}; at worst {times(worst.ratio)} as much error as the best of all"
-        said += " that it may pick."
+        said += (
+            f" Automatic: {', then '.join(choices)}; at worst {times(worst.ratio)} the error of the best that it may"
+        )
+        cost = max(contest.picks, key=lambda pick: pick.of_all)
+        said += f" pick, and {times(cost.of_all)} that of the best of all"
+        said += f" ({cost.best_of_all}, at {cost.samples} samples)." if cost.of_all > 1.0 else "."
         if contest.refused:
-            said += f" It may not pick {', '.join(f'{name} ({why})' for name, why in contest.refused.items())}."
+            said += f" It never picks {', '.join(f'{name} ({why})' for name, why in contest.refused.items())}."
     return said
 
 

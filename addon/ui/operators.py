@@ -124,9 +124,7 @@ class VGROOVE_OT_update(bpy.types.Operator):
             for made in chosen:
                 estimator = settings.estimator
                 if estimator == "auto":
-                    estimator = automatic.pick(
-                        context.scene, material.origin_of(made).preset, settings.backend
-                    ).estimator
+                    estimator = automatic.pick(context.scene, material.origin_of(made).preset).estimator
                 bound = settings.bound / 100.0 if estimator == "hybrid" else None
                 said = rebuild(made, context.scene, backend=settings.backend, estimator=estimator, bound=bound)
                 lost += [f"{made.name}: {text}" for text in said]
@@ -357,7 +355,7 @@ def chosen(shown: bpy.types.Scene) -> automatic.Pick:
     if shown.vgroove.estimator != "auto":
         return automatic.Pick(shown.vgroove.estimator, "")
     preset = chosen_preset(shown.vgroove)
-    return automatic.pick(shown, preset, shown.vgroove.backend)
+    return automatic.pick(shown, preset)
 
 
 def current_problems(shown: bpy.types.Scene) -> list[advice.Problem]:

@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is not right in a scene is said before the render: the table of docs/estimators.md, row by row."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from vgroove.addon import advice, facts, lamps, material, presets, scene
+
+pytestmark = pytest.mark.blender
+
+TABLE = Path(__file__).parent.parent / "docs" / "estimators.md"
+ESTIMATORS = {
+    "Standard": ("fit", "closure"),
+    "Exact Lights": ("corrected",),
+    "Hybrid": ("hybrid",),
+    "Reference": ("mirror",),
+    "Direct": ("direct",),
+}
+ALWAYS = {"alone", "shadows"}  # of Direct in any scene; of nodes in a Blender without Raycast
+
+
+def table():
+    """{situation: {quality: cell}}"""
+    lines = TABLE.read_text(encoding="utf-8").split("| situation ")[1].split("\n\n")[0].split("\n")
+    _, *columns = [cell.strip() for cell in f"situation {lines[0]}".split("|")[:-1]]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+    return {name: dict(zip(columns, cells, strict=True)) for name, *cells in rows}
+
+
+@pytest.fixture
+def stage(blender):
+    """A Cycles scene that suits every estimator, with a bound point of zero size."""
+    shown = blender.context.scene
+    shown.render.engine = "CYCLES"
+    scene.exact(shown)
+    add_light(shown, "Point", "POINT", at=(0.0, -2.0, 3.0))
+    return shown
+
+
+def add(shown, name, data, at=(0.0, 0.0, 0.0)):
+    import bpy
+
+    item = bpy.data.objects.new(name, data)
+    item.location = at
+    shown.collection.objects.link(item)
+    return item
+
+
+def add_light(shown, name, kind="SUN", at=(0.0, 0.0, 5.0), size=0.0):
+    import bpy
+
+    data = bpy.data.lights.new(name, kind)
+    setattr(data, {"SUN": "angle", "AREA": "size"}.get(kind, "shadow_soft_size"), size)
+    return add(shown, name, data, at)
+
+
+def nodes_of(owner):
+    import bpy
+
+    if bpy.app.version < (5, 0, 0):
+        owner.use_nodes = True
+    owner.node_tree.nodes.clear()
+    return owner.node_tree
+
+
+def add_card(shown, node, socket="Surface", name="Card"):
+    """A square metre of one shader node between the objects and the light."""
+    import bpy
+
+    mesh, made = bpy.data.meshes.new(name), bpy.data.materials.new(name)
+    mesh.from_pydata([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)], [], [(0, 1, 2, 3)])
+    tree = nodes_of(made)
+    shader, out = tree.nodes.new(f"ShaderNode{node}"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader.outputs[0], out.inputs[socket])
+    mesh.materials.append(made)
+    return add(shown, name, mesh, (0.0, 0.0, 1.5))
+
+
+def add_world(shown, node, socket="Surface"):
+    import bpy
+
+    shown.world = bpy.data.worlds.new("World")
+    tree = nodes_of(shown.world)
+    shader, out = tree.nodes.new(f"ShaderNode{node}"), tree.nodes.new("ShaderNodeOutputWorld")
+    tree.links.new(shader.outputs[0], out.inputs[socket])
+    return shader
+
+
+def by_instance(shown):
+    import bpy
+
+    rig, sun = bpy.data.collections.new("Rig"), add_light(shown, "Sun")
+    shown.collection.objects.unlink(sun)
+    rig.objects.link(sun)
+    holder = add(shown, "Holder", None)
+    holder.instance_type, holder.instance_collection = "COLLECTION", rig
+    return holder
+
+
+def by_nested_instance(shown):
+    import bpy
+
+    inner, outer = by_instance(shown), bpy.data.collections.new("Outer")
+    shown.collection.objects.unlink(inner)
+    outer.objects.link(inner)
+    holder = add(shown, "Outer", None)
+    holder.instance_type, holder.instance_collection = "COLLECTION", outer
+
+
+def in_background_set(shown):
+    import bpy
+
+    behind, sun = bpy.data.scenes.new("Stage"), add_light(shown, "Sun")
+    shown.collection.objects.unlink(sun)
+    behind.collection.objects.link(sun)
+    shown.background_set = behind
+
+
+def without_importance(shown):
+    add_light(shown, "Area", "AREA", size=4.0).data.cycles.use_multiple_importance_sampling = False
+
+
+def sky(shown):
+    shine = add_world(shown, "Background")
+    texture = shown.world.node_tree.nodes.new("ShaderNodeTexSky")
+    shown.world.node_tree.links.new(texture.outputs[0], shine.inputs["Color"])
+
+
+def in_groups(shown):
+    shown.view_layers[0].lightgroups.add(name="Key")
+    shown.objects["Point"].lightgroup = "Key"
+
+
+SITUATIONS = {
+    "a light that a collection instance brings": by_instance,
+    "a light that an instance in an instance, particles or geometry nodes bring": by_nested_instance,
+    "a light in a background set": in_background_set,
+    "a light whose Multiple Importance is off": without_importance,
+    "a small shining object": lambda shown: setattr(add_card(shown, "Emission"), "location", (0, 0, 9)),
+    "the sun disc of a sky": sky,
+    "a transparent thing before a bound light": lambda shown: add_card(shown, "BsdfTransparent"),
+    "a thing hidden from shadow rays": lambda shown: setattr(add_card(shown, "BsdfDiffuse"), "visible_shadow", False),
+    "a volume before a bound light": lambda shown: add_card(shown, "VolumeAbsorption", "Volume", "Haze"),
+    "a world filled with a volume": lambda shown: add_world(shown, "VolumeAbsorption", "Volume"),
+    "Clamp Direct": lambda shown: setattr(shown.cycles, "sample_clamp_direct", 1.0),
+    "Clamp Indirect": lambda shown: setattr(shown.cycles, "sample_clamp_indirect", 1.0),
+    "light groups": in_groups,
+    "light passes": lambda shown: setattr(shown.view_layers[0], "use_pass_glossy_direct", True),
+    "a shadow catcher": lambda shown: setattr(add_card(shown, "BsdfDiffuse"), "is_shadow_catcher", True),
+    "baking Combined": lambda shown: setattr(shown.cycles, "bake_type", "COMBINED"),
+    "baking Glossy": lambda shown: setattr(shown.cycles, "bake_type", "GLOSSY"),
+    "persistent data": lambda shown: setattr(shown.render, "use_persistent_data", True),
+    "a view layer with a material override": lambda shown: setattr(
+        shown.view_layers[0], "material_override", add_card(shown, "BsdfDiffuse").active_material
+    ),
+}
+
+
+def said(shown, estimator, **more):
+    return [p for p in advice.problems(shown, "nodes", estimator, **more) if p.key not in ALWAYS]
+
+
+def test_the_table_has_a_row_for_each_situation():
+    assert set(table()) == set(SITUATIONS)
+    assert all(set(row) == set(ESTIMATORS) for row in table().values())
+
+
+@pytest.mark.parametrize("situation", SITUATIONS)
+def test_advice_says_what_the_table_says(stage, situation):
+    """Something where the table has something else than "right", and nothing elsewhere: nothing at all for Standard."""
+    for estimators in ESTIMATORS.values():
+        for estimator in estimators:
+            assert said(stage, estimator) == []
+    SITUATIONS[situation](stage)
+    for quality, cell in table()[situation].items():
+        for estimator in ESTIMATORS[quality]:
+            found = said(stage, estimator)
+            assert len(found) == (cell != "right"), (estimator, [p.text for p in found])
+            assert all("\n" not in p.text for p in found)
+    assert table()[situation]["Standard"] == "right"
+
+
+@pytest.mark.parametrize(
+    ("situation", "words"),
+    [
+        (
+            "a light that an instance in an instance, particles or geometry nodes bring",
+            ['"Sun"', 'the instance "Outer"'],
+        ),
+        ("the sun disc of a sky", ["sun disc", "Sky Texture", "world"]),
+        ("a transparent thing before a bound light", ["Card (transparent)"]),
+        ("a thing hidden from shadow rays", ["Card (hidden from shadow rays)"]),
+        ("a volume before a bound light", ["Haze (volume)"]),
+        ("a world filled with a volume", ['world "World" (volume)']),
+        ("light groups", ["no light group"]),
+        ("light passes", ["Emission pass"]),
+    ],
+)
+def test_advice_names_what_it_is_about(stage, situation, words):
+    SITUATIONS[situation](stage)
+    (problem,) = said(stage, "mirror")
+    for word in words:
+        assert word in problem.text
+
+
+def test_what_shadows_nothing_is_not_named(stage):
+    """A transparent material that casts an opaque shadow, and what is not rendered."""
+    card = add_card(stage, "BsdfTransparent")
+    card.active_material.use_transparent_shadow = False
+    assert said(stage, "direct") == []
+    card.active_material.use_transparent_shadow = True
+    card.hide_render = True
+    assert said(stage, "direct") == []
+
+
+def test_small_lights_are_told_by_the_angle_at_which_objects_see_them(stage):
+    """An area light of 4 cm is as rarely hit as a bulb; at the same distance one of 2 m is not."""
+    area = add_light(stage, "Area", "AREA", at=(0, 0, 4), size=0.04)
+    (problem,) = said(stage, "mirror")
+    assert (problem.key, problem.mend) == ("small", None)  # no size of 0 for area lights
+    area.data.size = 2.0
+    assert 2.0 * math.atan(1.0 / 4.0) > facts.SMALL_ANGLE
+    assert said(stage, "mirror") == []
+
+
+def test_a_material_without_its_group_is_said_not_raised(stage, blender):
+    """And keeps nothing from being said of the others."""
+    preset = presets.find("lecture/copper")
+    for name in ("Lost", "Kept"):
+        mesh = scene.ball_mesh(8, 4)
+        made = material.build(preset, material.Choice("nodes", "mirror")).copy()
+        made.name = name
+        mesh.materials.append(made)
+        add(stage, name, mesh)
+    for node in list(blender.data.materials["Lost"].node_tree.nodes):
+        if node.bl_idname == "ShaderNodeGroup":
+            node.node_tree = None
+    found = {p.key: p.text for p in advice.problems_with(stage, preset, "nodes", "fit")}
+    assert "has lost its node group" in found["lost Lost"]
+    assert "Point" in found["stale Kept"]
+
+
+def test_nothing_is_said_of_lights_twice(stage, monkeypatch):
+    """One copper asks for the scene's lights once, whatever is to be said of them."""
+    asked, all_lights = [], lamps.all_lights
+    monkeypatch.setattr(lamps, "all_lights", lambda shown: asked.append(shown) or all_lights(shown))
+    in_groups(stage)
+    for estimator in material.ESTIMATORS:
+        asked.clear()
+        advice.problems_with(stage, presets.find("lecture/copper"), "nodes", estimator)
+        assert len(asked) <= 1
