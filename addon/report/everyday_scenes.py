@@ -58,7 +58,9 @@ TILT=NONE
 
 @everyday("Blender's own start scene, denoised", "copper", "plastic", says=SAYS_FRESNEL)
 def start(shown: Scene) -> None:
-    light(shown, "POINT", 1000.0, (4.08, 1.01, 5.9), shadow_soft_size=0.1)
+    shown.objects[NAME].data = bpy.data.meshes["Cube"]
+    shown.camera.data.lens = 50.0
+    add(shown, "Light", bpy.data.lights["Light"], (4.08, 1.01, 5.9))
     shown.cycles.use_denoising = True
 
 
@@ -340,10 +342,10 @@ def low_poly(shown: Scene) -> None:
     light(shown, "POINT", 800.0)
 
 
-@everyday("a flat plane, seen at a grazing angle", "copper", "plaster")
+@everyday("a flat plane, seen at a low angle", "copper", "plaster")
 def plane(shown: Scene) -> None:
     shown.objects[NAME].data = quad("Plane", 12.0)
-    shown.camera.location = (6.0, -6.0, 1.5)
+    shown.camera.location = (6.0, -6.0, 4.0)
     look_at(shown.camera)
     map_of(shown, "courtyard")
 
@@ -411,7 +413,7 @@ def in_a_mirror(shown: Scene) -> None:
     look_at(mirror, shown.camera.location)
     mirror.rotation_euler.rotate_axis("X", radians(180.0))
     mirror.data.materials.append(shaded("BsdfGlossy", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0))
-    light(shown, "SUN", 3.0)
+    light(shown, "AREA", 300.0, size=2.0)
 
 
 # --- cameras --------------------------------------------------------------------------------------------------------
