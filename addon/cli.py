@@ -75,6 +75,7 @@ class Part(StrEnum):
     PICKS = "picks"
     STABILITY = "stability"
     LEFT_OUT = "left_out"
+    EVERYDAY = "everyday"
     FIGURES = "figures"
 
 

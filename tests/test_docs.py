@@ -80,6 +80,7 @@ GIVEN = {
         "red on 1 %": "what must be seen",
         "reference 1 % brighter": "what must be seen",
         "and 1 % darker": "what must be seen",
+        "8 % darker": "what must be seen",
         "1 % less at each": "what must be seen",
     },
     "docs/time.md": {

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from statistics import NormalDist, median
 from typing import TYPE_CHECKING
 
-from .findings import CLOSE, TARGETS
+from .findings import CLOSE, SLOWER, TARGETS
 from .words import number, percent, times
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class Claim:
 
 def of(run: Run) -> list[Claim]:
     """Those that a run has numbers for."""
-    made = (_slope, _unbiased, _automatic, _universal, _pictures, _stability)
+    made = (_slope, _unbiased, _automatic, _universal, _pictures, _stability, _everyday)
     return [claim for one in made if (claim := one(run))]
 
 
@@ -172,3 +172,20 @@ def _stability(run: Run) -> Claim | None:
         by_z = sum(case.z is not None for case in run.cases)
         found += f"; {by_z} are judged by Z, of which one fails by chance in one report of a hundred"
     return Claim("Extreme cases pass", found, not failed)
+
+
+def _everyday(run: Run) -> Claim | None:
+    if not run.everyday:
+        return None
+    where: dict[str, list[str]] = {what: [] for what in ("the picture is off", "it is slower", "a warning is wrong")}
+    for one in run.everyday:
+        for what, fails in zip(where, (not one.right, not one.quick, bool(one.said)), strict=True):
+            where[what] += [f"{one.title}, {one.subject}"] * fails
+    failed = {title for titles in where.values() for title in titles}
+    timed = [one.time for one in run.everyday if one.time is not None]
+    found = f"in {len(run.everyday) - len(failed)} of {len(run.everyday)} scenes and subjects"
+    if timed:
+        found += f"; it takes {times(median(timed))} as long in the median of {len(timed)}, at most {times(max(timed))}"
+    found += "".join(f"; {what} in {'; '.join(titles)}" for what, titles in where.items() if titles)
+    claim = "In everyday scenes the default shows what the nearest native material does, without a wrong warning"
+    return Claim(f"{claim}, in at most {times(SLOWER)} its time", found, not failed)

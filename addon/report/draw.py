@@ -22,7 +22,7 @@ PLOTS = "plots"
 
 def told(runs: list[Run]) -> list[Run]:
     """Those that hold more than tables for documents."""
-    return [run for run in runs if run.contests or run.cases or run.left_out]
+    return [run for run in runs if run.contests or run.cases or run.left_out or run.everyday]
 
 
 def draw(runs: list[Run], machine: Mapping[str, Any], pictures: Path | None, folder: Path) -> list[Path]:

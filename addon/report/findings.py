@@ -37,6 +37,7 @@ SCENES = {  # of ``scenes.stage``, as they are called
 RANDOM = ("mirror", "hybrid")  # estimators that must hit it so; without bias, or next to none
 TOLD = 3.0  # standard errors by which a bias must exceed 0 to be told from it
 CLOSE = 1.1  # Automatic's error over the winner's that still counts as good a choice
+SLOWER, DOUBT = 1.3, 0.025  # the default over a native material: times as long at most; its mean, known at least so
 CHANCE = 2.0  # standard errors by which it must be more for a poor one
 NUMBERS = ("rmse", "bias2", "bias2_error", "noise", "wall", "cpu")  # of a contender, one a sample count
 AGAINST = ("closure", "mirror")  # what a winner is held against
@@ -468,6 +469,47 @@ class Case:
 
 
 @dataclass(frozen=True)
+class Everyday:
+    """The default material in an everyday scene, beside the nearest native one.
+
+    mean: over the native material's, of the channel that is farthest off; doubt: its standard error; band: where it
+    should be. apart, bar: what pictures differ by, as a share of the light, and may differ by. time: over the native
+    material's, None where it was not measured. said: warnings that are wrong there.
+    """
+
+    scene: str
+    title: str
+    subject: str
+    estimator: str
+    mean: float
+    doubt: float
+    band: tuple[float, float]
+    apart: float
+    bar: float
+    black: int
+    bright: int
+    time: float | None
+    said: tuple[str, ...]
+
+    @property
+    def right(self) -> bool:
+        """Whether its picture is as it should be. A doubt that is too large to tell counts against it."""
+        low, high = self.band
+        near = low - TOLD * self.doubt <= self.mean <= high + TOLD * self.doubt
+        return (
+            near
+            and self.doubt < DOUBT
+            and self.apart < self.bar + TOLD * self.doubt
+            and not self.black
+            and not self.bright
+        )
+
+    @property
+    def quick(self) -> bool:
+        return self.time is None or self.time <= SLOWER
+
+
+@dataclass(frozen=True)
 class Run:
     """All that was measured on one Blender. lacks: how many measurements are still to be had; seconds: by the clock."""
 
@@ -477,6 +519,7 @@ class Run:
     contests: tuple[Contest, ...]
     cases: tuple[Case, ...]
     left_out: tuple[LeftOut, ...]
+    everyday: tuple[Everyday, ...]
     tables: dict[str, dict[str, dict[str, Any]]]  # that documents tell, by cell and name
     lacks: int
     seconds: float  # 0 where a report does not say it of all
@@ -513,7 +556,7 @@ def runs(content: dict[str, Any]) -> list[Run]:
 
 
 def _run(blender: str, run: dict[str, Any]) -> Run:
-    contests, cases, left_out, tables = [], [], [], {}
+    contests, cases, left_out, everyday, tables = [], [], [], [], {}
     picks = {key.partition("/")[2]: cell for key, cell in run["cells"].items() if record.part_of(key) == "picks"}
     for key, cell in run["cells"].items():
         part, _, what = key.partition("/")
@@ -524,6 +567,8 @@ def _run(blender: str, run: dict[str, Any]) -> Run:
                 cases += [_case(what, case) for case in cell["cases"]]
             elif part == "left_out":
                 left_out += [_left_out(what, cell, setup) for setup in cell["setups"]]
+            elif part == "everyday":
+                everyday += [_everyday(cell, one) for one in cell["subjects"]]
             elif part == "figures":
                 tables[what] = {
                     name: {"columns": one["columns"], "rows": one["rows"]} for name, one in cell["tables"].items()
@@ -535,8 +580,9 @@ def _run(blender: str, run: dict[str, Any]) -> Run:
     seconds = sum(taken.values()) if taken.keys() >= run["cells"].keys() else 0.0
     lacks = max(run.get("wanted", 0) - len(run["cells"]), 0)
     return Run(
-        blender, run["vgroove"], run["quick"], tuple(contests), tuple(cases), tuple(left_out), tables, lacks, seconds
-    )
+        blender, run["vgroove"], run["quick"], tuple(contests), tuple(cases), tuple(left_out), tuple(everyday), tables,
+        lacks, seconds,
+    )  # fmt: skip
 
 
 def _contest(cell: dict[str, Any], picked: dict[str, Any]) -> Contest:
@@ -621,6 +667,15 @@ def _left_out(name: str, cell: dict[str, Any], setup: dict[str, Any]) -> LeftOut
             Dropped(one["what"], one["why"], one.get("nodes"), one.get("time"), one.get("same"))
             for one in setup["left_out"]
         ),
+    )  # fmt: skip
+
+
+def _everyday(cell: dict[str, Any], one: dict[str, Any]) -> Everyday:
+    low, high = one["band"]
+    mean, doubt = max(zip(one["mean"], one["doubt"], strict=True), key=lambda of: abs(of[0] - 1.0))
+    return Everyday(
+        cell["scene"], cell["title"], one["subject"], one["estimator"], mean, doubt, (low, high), one["apart"],
+        one["bar"], one["black"], one["bright"], one["time"], tuple(one["said"]),
     )  # fmt: skip
 
 

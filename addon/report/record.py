@@ -32,7 +32,7 @@ from ..inputs import shown
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-PARTS = ("accuracy", "picks", "stability", "left_out", "figures")
+PARTS = ("accuracy", "picks", "stability", "left_out", "everyday", "figures")
 FILE = "report.json"
 LONGEST_FILE = 200_000_000  # bytes
 FORMAT = 2
@@ -48,12 +48,13 @@ DECIDES: dict[str, set[str]] = {
         (set(), "report/claims report/compare report/draw report/findings report/page report/plots report/summary"),
         (set(), "report/documents report/words"),
         ({"accuracy"}, "report/accuracy report/flip report/mitsuba_peer report/statistics"),
-        ({"accuracy", "picks"}, "report/contenders report/scenes"),
+        ({"accuracy", "picks", "everyday"}, "report/contenders report/scenes"),
         ({"stability"}, "report/stability report/stability_pictures report/stability_reference"),
         ({"left_out"}, "report/left_out report/universal explain"),
-        ({"left_out", "picks", "figures"}, "automatic"),
-        ({"left_out", "picks", "stability", "figures"}, "advice facts"),
+        ({"left_out", "picks", "everyday", "figures"}, "automatic"),
+        ({"left_out", "picks", "stability", "everyday", "figures"}, "advice facts"),
         ({"picks"}, "report/picks"),
+        ({"everyday"}, "report/everyday report/everyday_scenes report/everyday_stage"),
     )
     for name in names.split()
 }

@@ -7,7 +7,7 @@ import time
 from subprocess import SubprocessError
 from typing import TYPE_CHECKING
 
-from . import accuracy, figures, left_out, picks, stability
+from . import accuracy, everyday, figures, left_out, picks, stability
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from .record import Cell, Record
 
-PARTS = (accuracy, picks, stability, left_out, figures)  # in the order of ``record.PARTS``
+PARTS = (accuracy, picks, stability, left_out, everyday, figures)  # in the order of ``record.PARTS``
 
 
 def cells(*, quick: bool) -> list[Cell]:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from .findings import Case, Contest, Curve, Dropped, Reached, Run, Win
+    from .findings import Case, Contest, Curve, Dropped, Everyday, Reached, Run, Win
     from .plots import Drawn
 
 FILE = "report.md"
@@ -74,6 +74,8 @@ def markdown(found: list[Run], machine: Mapping[str, Any], figures: Mapping[str,
                 "",
                 *table(DROPPED_EACH_COLUMNS, dropped_each_rows(run)),
             ]
+        if run.everyday:
+            lines += ["", "### Everyday scenes", "", EVERYDAY, "", *table(EVERYDAY_COLUMNS, everyday_rows(run))]
     return "\n".join([*lines, ""])
 
 
@@ -125,6 +127,18 @@ DROPPED = (
 DROPPED_COLUMNS = ("what", "left out", "nodes", "time", "picture")
 DROPPED_EACH = "Case by case, and why."
 DROPPED_EACH_COLUMNS = ("case", "what", "why", "nodes", "time", "picture")
+EVERYDAY = (
+    "The material that Automatic gives, beside what an artist would wire of Cycles' own nodes with the same numbers. "
+    "Mean: of the pixels that show the material, over the native material's, by the channel that is farthest off. "
+    "Band: within 5 %, or as far apart as the two models are by the reference on a ball that is lit from any "
+    "direction up to 120 degrees from the view. Apart: by what share of the light the pictures differ pixel by pixel, "
+    "less noise, and what it may be by the same reckoning. Black, bright: pixels that are so where the native "
+    "material's are not. "
+    "Time: over the native material's, the median of rounds that take turns. Warnings: those that are not right there."
+)
+EVERYDAY_COLUMNS = (
+    "scene", "subject", "estimator", "mean", "band", "apart", "black", "bright", "time", "warnings", "",
+)  # fmt: skip
 EVEN, HASHED, BOTH = ("closure", "fit", "corrected"), "mirror", "hybrid"  # of random numbers of Cycles', ours, and both
 SAME = {True: "the same", False: "DIFFERS", None: ""}
 
@@ -350,6 +364,23 @@ def dropped_each_rows(run: Run) -> list[list[str]]:
         for case in run.left_out
         for one in case.dropped
     ]  # fmt: skip
+
+
+def everyday_rows(run: Run) -> list[list[str]]:
+    """Those that fail first, then as measured."""
+    return [
+        [
+            one.title, one.subject, one.estimator, f"{one.mean:.3f} ± {one.doubt:.3f}",
+            f"{one.band[0]:.2f} to {one.band[1]:.2f}",
+            f"{percent(max(one.apart, 0.0))} ({percent(one.bar)})", str(one.black or ""), str(one.bright or ""),
+            "" if one.time is None else times(one.time), "; ".join(one.said), everyday_verdict(one),
+        ]
+        for one in sorted(run.everyday, key=lambda one: everyday_verdict(one) == "passed")
+    ]  # fmt: skip
+
+
+def everyday_verdict(one: Everyday) -> str:
+    return "passed" if one.right and one.quick and not one.said else "FAILED"
 
 
 def slope(curve: Curve) -> str:
