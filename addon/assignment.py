@@ -40,16 +40,17 @@ def assign(
     """
     if backend == "osl":
         scene.cycles.shading_system = True
-    known, chosen_for = facts.of(scene), []
+    chosen_for: list[tuple[Preset, str]] = []
+    lit = facts.of(scene)
     for name, preset in given:
-        chosen = pick_estimator(known, preset) if estimator == "auto" else estimator
+        chosen = pick_estimator(lit, preset) if estimator == "auto" else estimator
         item = scene.objects.get(name)
         if item is None:
             known = ", ".join(sorted(other.name for other in scene.objects if other.type == "MESH"))
             message = f'{where}"{name}={preset.id}": the scene has no object of that name; it has {known}'
             raise SceneError(message)
         choice = Choice(
-            backend, chosen, known.to_bind(chosen, preset.model), bound=bound, play=play if preset.time else None
+            backend, chosen, lit.to_bind(chosen, preset.model), bound=bound, play=play if preset.time else None
         )
         if into is not None and name not in into:  # of its own, though there be another like it
             into[name] = bpy.data.materials.new(preset.name)
@@ -58,6 +59,6 @@ def assign(
             message = f'{where}"{name}={preset.id}": {item.type.lower()} objects have no material; name a mesh'
             raise SceneError(message)
         chosen_for.append((preset, chosen))
-    known = facts.of(scene)  # with the materials that were given
-    found = [p for preset, chosen in chosen_for for p in problems_with(known, preset, backend, chosen)]
+    lit = facts.of(scene)  # with the materials that were given
+    found = [p for preset, chosen in chosen_for for p in problems_with(lit, preset, backend, chosen)]
     return list(dict.fromkeys(problem.text for problem in found))

@@ -18,7 +18,7 @@ import bpy
 from mathutils import Vector
 
 from ..nodegroups import REVISION_KEY
-from . import lamps
+from . import lamps, rays
 from .material import KEY, NATIVE, lamps_to_bind, origin_of
 
 if TYPE_CHECKING:
@@ -132,6 +132,21 @@ class SceneFacts:
     @cached_property
     def _to_bind(self) -> dict[tuple[str, str], tuple[Object, ...]]:
         return {}
+
+    def held(self, made: Material) -> set[Object]:
+        """The lights that one of our materials has bound."""
+        if made not in self._held:
+            self._held[made] = lamps.bound(made)
+        return self._held[made]
+
+    @cached_property
+    def _held(self) -> dict[Material, set[Object]]:
+        return {}
+
+    @cached_property
+    def different_rays(self) -> float:
+        """``rays.different_rays``."""
+        return rays.different_rays(self.scene)
 
     @cached_property
     def origins(self) -> dict[Material, Origin | None]:
