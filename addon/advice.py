@@ -18,7 +18,6 @@ from .material import (
     NATIVE,
     RANDOM,
     binds,
-    bound_slots,
 )
 from .rebuild import rebuild
 
@@ -39,7 +38,7 @@ FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light t
 FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
 
 
-NAMES = {"corrected": "Exact Lights", "mirror": "Reference"}  # what artists call them; others go by their own names
+NAMES = {"auto": "Standard", "corrected": "Exact Lights", "mirror": "Reference"}  # others go by their own names
 LIGHTING_PASSES = ("diffuse", "glossy", "transmission", "subsurface")
 
 
@@ -65,13 +64,13 @@ def problems(
     found = list(_engine_problems(known.scene, backend))
     has = BUILDERS[model]
     if estimator not in has:
-        text = f"This material has no {_name(estimator)}; choose {', '.join(map(_name, has))} or Automatic"
+        text = f"This material has no {name_of(estimator)}; choose {', '.join(map(name_of, has))} or Automatic"
         return [*found, Problem("model", text)]
     bound = known.to_bind(estimator, model)
     if estimator in RANDOM:
         found += [*_unseen_problems(known, estimator, model), *_setting_problems(known.scene, estimator, model)]
     if estimator in RANDOM and (model != "glass" or m > 0.0):  # a smooth interface draws nothing
-        found += _ray_problems(known.scene)
+        found += _ray_problems(known)
     if estimator == "direct":
         found += _direct_problems(known)
     if estimator in EVERY_LAMP:
@@ -82,7 +81,7 @@ def problems(
         found += _picture_problems(known.scene, estimator, model, bound)
     if estimator in {*NATIVE, "corrected", "hybrid"} and m > 1.0:
         but = " except at bound lights" if estimator == "corrected" else ""
-        text = f"{_name(estimator)} ends at m = 1{but}, to which Cycles clamps; m is {m:g}. Choose Reference"
+        text = f"{name_of(estimator)} ends at m = 1{but}, to which Cycles clamps; m is {m:g}. Choose Reference"
         found.append(Problem("slope", text))
     return found
 
@@ -99,7 +98,8 @@ def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estim
     return [*found, *_stale_problems(known)]
 
 
-def _name(estimator: str) -> str:
+def name_of(estimator: str) -> str:
+    """What artists call an estimator."""
     return NAMES.get(estimator, estimator.title())
 
 
@@ -154,7 +154,7 @@ def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
         if origin is None:
             yield Problem(f"lost {made.name}", f"{made.name} has lost its node group", "Update", update)
             continue
-        held = bound_slots(made) if origin.estimator not in NATIVE else set()
+        held = known.held(made) if origin.estimator not in NATIVE else set()
         missing = [one for one in known.to_bind(origin.estimator, origin.preset.model) if str(one.slot) not in held]
         if missing:
             what = "are as Standard has them" if origin.estimator == "corrected" else "are missing"
@@ -189,7 +189,7 @@ def _compute_device() -> str:
 
 def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[Problem]:
     """What shines and is not met by random facets, or rarely."""
-    name, but = _name(estimator), "" if estimator == "mirror" else ", but for Fit's share"
+    name, but = name_of(estimator), "" if estimator == "mirror" else ", but for Fit's share"
     sought, world = known.unbound(known.to_bind(estimator, model)), known.scene.world
     pointlike = [one for one in sought if not one.sized]
     if pointlike:
@@ -224,7 +224,7 @@ def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[
 
 def _setting_problems(scene: Scene, estimator: str, model: str) -> Iterator[Problem]:
     """Settings that take light from random facets."""
-    cycles, name = scene.cycles, _name(estimator)
+    cycles, name = scene.cycles, name_of(estimator)
     if cycles.use_adaptive_sampling:
         text = f"Noise Threshold stops pixels that have not yet found a light, which darkens {name}"
         mend = partial(_set, cycles, use_adaptive_sampling=False)
@@ -247,9 +247,10 @@ def _setting_problems(scene: Scene, estimator: str, model: str) -> Iterator[Prob
         yield Problem("caustics", text, "Switch Caustics On", mend, "more noise")
 
 
-def _ray_problems(scene: Scene) -> Iterator[Problem]:
+def _ray_problems(known: SceneFacts) -> Iterator[Problem]:
     """Too few different rays to hash random numbers from: noise that no more samples take away, but other seeds do."""
-    samples, found = scene.cycles.samples, rays.different_rays(scene)
+    scene, found = known.scene, known.different_rays
+    samples = scene.cycles.samples
     if found >= FEWEST_RAYS * min(samples, rays.MOST):
         return
     where = " where nothing moves" if scene.render.use_motion_blur else ""
@@ -274,7 +275,7 @@ def _direct_problems(known: SceneFacts) -> Iterator[Problem]:
 
 def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
     """Lights that the formula is not evaluated at."""
-    name, rest = _name(estimator), "left out" if estimator == "direct" else "as Standard has them"
+    name, rest = name_of(estimator), "left out" if estimator == "direct" else "as Standard has them"
     if not known.followed and estimator == "corrected":
         yield Problem("lamps", f"{name} finds no light that it can bind here and is the same as Standard")
     for refused in known.refusals.values():
@@ -287,12 +288,12 @@ def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]
     if left := [light for light in known.followed if light.item not in items]:
         yield Problem("limit", f"{name} binds the {len(bound)} strongest lights; {rest}: {_names(left)}")
     if any(lamps.size(item) > 0 for item in items):
-        yield from _ray_problems(known.scene)
+        yield from _ray_problems(known)
 
 
 def _emitted_problems(known: SceneFacts, estimator: str) -> Iterator[Problem]:
     """What differs from Cycles' own light where bound lights are added as emission."""
-    name, layers = _name(estimator), [layer for layer in known.scene.view_layers if layer.use]
+    name, layers = name_of(estimator), [layer for layer in known.scene.view_layers if layer.use]
     between = [f"{one} (hidden from shadow rays)" for one in known.unshadowed]
     between += [f"{one} (transparent)" for one in known.seen_through]
     between += [f"{one} (volume)" for one in known.volumes]
@@ -313,7 +314,7 @@ def _lighting_passes() -> list[str]:
 
 def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[Light]) -> Iterator[Problem]:
     """Clamping, baking, and view layers that show another material."""
-    name, cycles = _name(estimator), scene.cycles
+    name, cycles = name_of(estimator), scene.cycles
     if cycles.sample_clamp_direct > 0 and (estimator == "hybrid" or (estimator == "corrected" and bound)):
         mend = partial(_set, cycles, sample_clamp_direct=0.0)
         text = f"Clamp Direct is on and clamps the parts of {name} one by one, which changes their sum"

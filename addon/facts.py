@@ -18,8 +18,8 @@ import bpy
 from mathutils import Vector
 
 from ..nodegroups import REVISION_KEY
-from . import lamps, roles
-from .material import NATIVE, bindable, is_ours, origin_of
+from . import lamps, rays, roles
+from .material import NATIVE, bindable, bound_slots, is_ours, origin_of
 from .presets import TRANSPARENT
 
 if TYPE_CHECKING:
@@ -136,6 +136,21 @@ class SceneFacts:
         own = {light.item for light in bound if not (light.source or light.in_set)}
         brought = {light.item for light in bound if light.source or light.in_set}
         return [one for one in self.lights if one.item not in (brought if one.via else own)]
+
+    def held(self, made: Material) -> set[str]:
+        """The lights that one of our materials reads."""
+        if made not in self._held:
+            self._held[made] = bound_slots(made)
+        return self._held[made]
+
+    @cached_property
+    def _held(self) -> dict[Material, set[str]]:
+        return {}
+
+    @cached_property
+    def different_rays(self) -> float:
+        """``rays.different_rays``."""
+        return rays.different_rays(self.scene)
 
     @cached_property
     def origins(self) -> dict[Material, Origin | None]:

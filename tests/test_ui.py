@@ -99,21 +99,70 @@ def test_apply_without_a_selection_says_so(extension):
         extension.ops.vgroove.apply()
 
 
+def spoiled(extension):
+    """The default scene with Workbench, for Reference in OSL: much to mend."""
+    stage = extension.context.scene
+    stage.vgroove.backend, stage.vgroove.estimator = "osl", "mirror"
+    stage.render.engine = "BLENDER_WORKBENCH"
+    return stage
+
+
 def test_advice_is_mended_by_its_button(extension):
     """Every problem of the default scene that has a button is gone after it was pressed."""
     from vgroove.addon.ui import operators
 
-    stage = extension.context.scene
-    stage.vgroove.backend, stage.vgroove.estimator = "osl", "mirror"
-    stage.render.engine = "BLENDER_WORKBENCH"
+    stage = spoiled(extension)
     found = operators.current_problems(stage)
     assert {"engine", "osl", "filter", "clamp"} <= {problem.key for problem in found}
     with headless.quiet():
-        for problem in found[:2]:
-            assert extension.ops.vgroove.mend(key=problem.key) == {"FINISHED"}
-        assert extension.ops.vgroove.mend(key="") == {"FINISHED"}  # all that are left
-        assert extension.ops.vgroove.mend(key="") == {"CANCELLED"}
+        for problem in found:
+            if problem.mend:
+                assert extension.ops.vgroove.mend(key=problem.key) == {"FINISHED"}
     assert [problem for problem in operators.current_problems(stage) if problem.mend] == []
+
+
+def test_mend_all_leaves_alone_what_costs_something_elsewhere(extension):
+    """A light keeps its size, the scene its clamps, filter, noise threshold and caustics; each has its own button."""
+    from vgroove.addon.ui import operators
+
+    stage, light = spoiled(extension), extension.data.objects["Light"].data
+    stage.cycles.caustics_reflective, stage.cycles.sample_clamp_direct = False, 1.0
+    light.cycles.use_multiple_importance_sampling = False
+
+    def kept():
+        names = ("use_adaptive_sampling", "blur_glossy", "sample_clamp_indirect", "sample_clamp_direct")
+        return [light.shadow_soft_size, stage.cycles.caustics_reflective, *(getattr(stage.cycles, n) for n in names)]
+
+    before = kept()
+    with headless.quiet():
+        assert extension.ops.vgroove.mend(key="") == {"FINISHED"}
+        assert kept() == before
+        assert extension.ops.vgroove.mend(key="") == {"CANCELLED"}
+    assert (stage.render.engine, stage.cycles.shading_system) == ("CYCLES", True)
+    assert light.cycles.use_multiple_importance_sampling
+    left = [problem for problem in operators.current_problems(stage) if problem.mend]
+    assert {"small", "adaptive", "filter", "clamp", "caustics"} == {problem.key for problem in left}
+    assert all(problem.costs for problem in left)
+
+
+def test_mend_all_lists_what_it_will_change_and_what_it_leaves(extension):
+    from types import SimpleNamespace
+
+    from vgroove.addon.ui import operators
+
+    stage = spoiled(extension)
+    asked = []
+    manager = SimpleNamespace(invoke_props_dialog=lambda operator, **_: asked.append(operator) or {"RUNNING_MODAL"})
+    button = SimpleNamespace(key="", layout=Recorder())
+    context = SimpleNamespace(scene=stage, window_manager=manager)
+    assert operators.VGROOVE_OT_mend.invoke(button, context, None) == {"RUNNING_MODAL"}
+    assert asked == [button]
+    assert stage.render.engine == "BLENDER_WORKBENCH"  # nothing is changed before it is confirmed
+    operators.VGROOVE_OT_mend.draw(button, context)
+    texts = button.layout.texts
+    left = texts.index("Left alone, each with its own button:")
+    assert {"Use Cycles", "Switch OSL On"} <= set(texts[:left])
+    assert "Set Filter Glossy to 0: costs more fireflies" in texts[left:]
 
 
 def test_everything_in_the_panel_has_a_tooltip(extension):
@@ -124,7 +173,7 @@ def test_everything_in_the_panel_has_a_tooltip(extension):
         for name in kind.__annotations__:
             assert kind.bl_rna.properties[name].description, name
     settings = extension.context.scene.vgroove
-    items = [properties.BACKENDS, properties.ESTIMATORS]
+    items = [properties.BACKENDS, properties.ESTIMATORS, properties.QUALITIES]
     items += [properties.family_items(settings, None), properties.shown_items(settings, None)]
     assert all(item[2] for of in items for item in of)
     for operator in (*operators.CLASSES, *preferences.CLASSES[:1]):
@@ -158,10 +207,11 @@ class Recorder:
     """Stands in for a layout: takes every call, remembers texts and operators, refuses unknown properties."""
 
     def __init__(self):
-        self.texts, self.buttons = [], []
+        self.texts, self.buttons, self.props = [], [], []
 
     def prop(self, owner, name, **_):
         assert name in owner.bl_rna.properties
+        self.props.append(name)
 
     def label(self, *, text="", icon="NONE"):
         self.texts.append(text)
@@ -199,6 +249,174 @@ def test_the_panels_draw(extension):
         kind.draw(SimpleNamespace(layout=layout), context)
         assert layout.texts
         assert layout.buttons
+
+
+def drawn(extension, kind):
+    """What a panel shows."""
+    from types import SimpleNamespace
+
+    context = SimpleNamespace(
+        scene=extension.context.scene,
+        region=SimpleNamespace(width=280),
+        preferences=extension.context.preferences,
+        object=extension.context.object,
+    )
+    layout = Recorder()
+    kind.draw(SimpleNamespace(layout=layout), context)
+    return layout
+
+
+def test_panels_read_the_scene_once_per_change(extension, monkeypatch):
+    """No redraw reads it again, until something is changed, the frame is, or another file is opened."""
+    from vgroove.addon import facts
+    from vgroove.addon.ui import panels
+
+    read, of = [], facts.of
+
+    def counted(scene, **more):
+        read.extend([scene] * (not isinstance(scene, facts.SceneFacts)))
+        return of(scene, **more)
+
+    monkeypatch.setattr(facts, "of", counted)
+
+    def reads():
+        read.clear()
+        for kind in panels.CLASSES:
+            drawn(extension, kind)
+        return len(read)
+
+    stage = extension.context.scene
+    stage.vgroove.estimator = "corrected"
+    extension.context.view_layer.update()
+    reads()
+    assert reads() == 0
+    extension.data.objects["Light"].data.energy = 7.0
+    extension.context.view_layer.update()
+    assert (reads(), reads()) == (1, 0)
+    stage.frame_set(2)
+    assert (reads(), reads()) == (1, 0)
+    with headless.quiet():
+        extension.ops.wm.read_homefile(use_factory_startup=True)
+    assert (reads(), reads()) == (1, 0)
+
+
+def test_a_redraw_is_quicker_than_one_walk_over_the_scene(extension):
+    """With 1000 objects, 21 lights and 15 materials, however the material is built.
+
+    Redraws that read the scene took four walks and more; what is left depends on the panel's texts alone and takes a
+    fifth of a walk. The bound is one: between these by a factor of four either way.
+    """
+    from statistics import median
+    from time import process_time
+
+    from vgroove.addon import lamps, material, presets
+    from vgroove.addon.ui import panels
+
+    stage = extension.context.scene
+    copper = presets.find("lecture/copper")
+    made = [material.build(copper, material.Choice("nodes", "mirror")).copy() for _ in range(15)]
+    mesh = extension.data.meshes.new("Triangle")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    for index in range(1000):
+        item = extension.data.objects.new("Triangle", mesh if index >= 15 else mesh.copy())
+        if index < 15:
+            item.data.materials.append(made[index])
+        stage.collection.objects.link(item)
+    for index in range(20):
+        light = extension.data.lights.new("Light", ("POINT", "SUN", "AREA")[index % 3])
+        stage.collection.objects.link(extension.data.objects.new("Light", light))
+    extension.context.view_layer.update()
+
+    def seconds(act):
+        start = process_time()
+        act()
+        return process_time() - start
+
+    def redraw():
+        for kind in panels.CLASSES:
+            drawn(extension, kind)
+
+    for estimator in ("auto", "corrected", "mirror"):
+        stage.vgroove.estimator = estimator
+        redraw()
+        ratios = [seconds(redraw) / seconds(lambda: lamps.of_scene(stage)) for _ in range(7)]
+        assert median(ratios) < 1.0, estimator
+
+
+def test_nothing_watches_after_the_extension_is_off(blender):
+    from vgroove.addon.ui import watch
+
+    for _ in range(2):
+        vgroove.register()
+        assert all(watch.forget in getattr(blender.app.handlers, name) for name in watch.CHANGES)
+        vgroove.unregister()
+        assert not any(watch.forget in getattr(blender.app.handlers, name) for name in watch.CHANGES)
+
+
+# Quality
+
+
+@pytest.mark.parametrize(
+    ("quality", "estimator"), [("standard", "auto"), ("exact", "corrected"), ("reference", "mirror")]
+)
+def test_each_quality_is_kept_as_an_estimator(extension, quality, estimator):
+    """So that files of earlier versions keep their meaning."""
+    settings = extension.context.scene.vgroove
+    settings.quality = quality
+    assert (settings.estimator, settings.quality) == (estimator, quality)
+
+
+@pytest.mark.parametrize("estimator", ["fit", "closure", "hybrid", "direct"])
+def test_a_file_that_chose_another_estimator_keeps_it(extension, tmp_path, estimator):
+    """The panel shows it by name then; else names are shown only if the preferences say so."""
+    from vgroove.addon.ui import operators, panels
+
+    settings = extension.context.scene.vgroove
+    assert "estimator" not in drawn(extension, panels.VGROOVE_PT_material).props
+    settings.estimator = estimator
+    with headless.quiet():
+        extension.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
+        extension.ops.wm.read_factory_settings(use_empty=True)
+        extension.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    shown = extension.context.scene
+    assert operators.chosen_estimator(shown) == shown.vgroove.estimator == estimator
+    props = drawn(extension, panels.VGROOVE_PT_material).props
+    assert "estimator" in props
+    assert "quality" not in props
+
+
+def test_the_six_names_are_behind_a_preference(extension, monkeypatch):
+    from types import SimpleNamespace
+
+    from vgroove.addon.ui import memory, panels
+
+    for shown in (False, True):
+        kept = SimpleNamespace(show_estimators=shown, favourites="", recent="")
+        monkeypatch.setattr(memory, "preferences", lambda kept=kept: kept)
+        props = drawn(extension, panels.VGROOVE_PT_material).props
+        assert ("estimator" in props, "quality" in props) == (shown, not shown)
+
+
+@pytest.mark.parametrize(
+    ("preset", "quality", "expected"),
+    [
+        ("glasses/frosted_glass", "exact", "closure"),
+        ("glasses/fused_silica", "exact", "mirror"),
+        ("glasses/frosted_glass", "reference", "mirror"),
+    ],
+)
+def test_a_model_that_lacks_a_quality_gets_standard_and_the_panel_says_so(extension, preset, quality, expected):
+    from vgroove.addon.ui import operators, panels
+
+    stage = extension.context.scene
+    stage.vgroove.preset, stage.vgroove.quality = preset, quality
+    picked = operators.chosen(stage)
+    assert picked.estimator == expected
+    said = "has no Exact Lights and gets Standard" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
+    assert said == (quality == "exact")
+    with headless.quiet():
+        assert extension.ops.vgroove.apply() == {"FINISHED"}
+    assert expected.title() in extension.context.object.active_material.name
 
 
 # Choosing

@@ -30,7 +30,7 @@ import numpy as np
 from mathutils import Color
 
 from ...nodegroups.cook_torrance_closure import has_exact_conductor
-from .. import assignment, gonio, headless, material, presets
+from .. import assignment, gonio, headless, material, presets, slots
 from ..reference.estimators import rendered as brdf
 from ..reference.fresnel import F82_COSINE, schlick
 from ..reference.oren_nayar_fit import closure_roughness
@@ -137,7 +137,7 @@ def default(shown: Scene, preset: Preset, shot: Shot) -> tuple[Material, list[st
 
 
 def _give(shown: Scene, made: Material, shot: Shot) -> None:
-    material.apply(made, [shown.objects[name] for name in shot.names])
+    slots.apply(made, [shown.objects[name] for name in shot.names])
     shot.finish(made)
 
 
@@ -155,7 +155,7 @@ def _where(shown: Scene, shot: Shot) -> NDArray[np.bool_]:
     shown.cycles.sample_clamp_direct = shown.cycles.sample_clamp_indirect = 0.0
     shown.cycles.use_denoising = False
     beacon = shaded("Emission", Strength=BEACON)
-    material.apply(beacon, [shown.objects[name] for name in shot.names])
+    slots.apply(beacon, [shown.objects[name] for name in shot.names])
     return np.mean(gonio.rendered(shown), axis=-1) > BEACON / 2.0
 
 
@@ -171,7 +171,7 @@ def time_over_native(
     shot.finish(other)
 
     def seconds(made: Material) -> float:
-        material.apply(made, [shown.objects[one] for one in shot.names])
+        slots.apply(made, [shown.objects[one] for one in shot.names])
         began = time.process_time()
         shot.render(shown)
         return time.process_time() - began

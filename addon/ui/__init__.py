@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from .. import follow, presets
-from . import course, operators, panels, preferences, properties, thumbnails
+from . import course, operators, panels, preferences, properties, thumbnails, watch
 
 _registered = ExitStack()
 
@@ -22,6 +22,8 @@ def register() -> None:
             undo.callback(bpy.utils.unregister_class, kind)
         thumbnails.register()
         undo.callback(thumbnails.unregister)
+        undo.callback(watch.unregister)
+        watch.register()
         presets.set_user_folder(_user_folder())
         undo.callback(presets.set_user_folder, None)
         bpy.types.Scene.vgroove = bpy.props.PointerProperty(type=properties.VGrooveSettings)

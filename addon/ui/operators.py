@@ -11,16 +11,17 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...nodegroups.osl_script import OslError
-from .. import advice, animation, automatic, material, preset_files, presets, slots
+from .. import advice, animation, automatic, facts, material, preset_files, presets, slots
 from ..files import replacing
-from ..material import lamps_to_bind
 from ..preset_checks import PresetError
 from ..rebuild import AS_IT_IS, rebuild, reset
-from . import course, memory
+from . import course, memory, watch
 from .properties import chosen_preset
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from ..facts import SceneFacts
 
 REFUSALS = (material.MaterialError, animation.AnimationError, PresetError, OslError)  # told in words
 
@@ -66,7 +67,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
                 )  # fmt: skip
             others = [item for item in able if item not in same]
             if others:
-                lamps = lamps_to_bind(context.scene, estimator, preset.model)
+                lamps = material.lamps_to_bind(context.scene, estimator, preset.model)
                 new = material.build(preset, material.Choice(backend, estimator, lamps, bound=bound, play=play))
                 if in_parts:
                     slots.give_to_parts(new, context)
@@ -145,21 +146,47 @@ class VGROOVE_OT_mend(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     key: bpy.props.StringProperty(
-        name="Problem", description="Which of the listed problems to mend; all if empty", options={"HIDDEN"}
+        name="Problem",
+        description="Which of the listed problems to mend; if empty, all whose mending costs nothing elsewhere",
+        options={"HIDDEN"},
     )
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        found = next((p for p in current_problems(context.scene) if p.key == properties.key), None)
-        return f"{found.button}. {found.text}" if found else "Press every button below at once"
+        found = next((p for p in current_problems(watch.current(context.scene)) if p.key == properties.key), None)
+        if found is None:
+            return "Press the buttons below that cost nothing elsewhere in the scene; lists them first"
+        return f"{found.button}. {found.text}" + (f". Costs {found.costs}" if found.costs else "")
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        if self.key:
+            return self.execute(context)
+        return context.window_manager.invoke_props_dialog(self, width=420, title="Mend All", confirm_text="Mend")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        found = [p for p in current_problems(watch.current(context.scene)) if p.mend]
+        column = self.layout.column(align=True)
+        for problem in found:
+            if not problem.costs:
+                column.label(text=problem.button, icon="CHECKMARK")
+        if costly := [p for p in found if p.costs]:
+            column.label(text="Left alone, each with its own button:")
+            for problem in costly:
+                column.label(text=f"{problem.button}: costs {problem.costs}", icon="X")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        mendable = [p for p in current_problems(context.scene) if p.mend and self.key in {"", p.key}]
+        found = [p for p in current_problems(context.scene) if p.mend]
+        mendable = [p for p in found if (p.key == self.key if self.key else not p.costs)]
         for problem in mendable:
             if problem.mend:
                 problem.mend()
         if not mendable:
-            self.report({"INFO"}, "Nothing to mend: the scene is as it should be")
+            left = (
+                "what is left costs something elsewhere and has its own button"
+                if found
+                else "the scene suits the choice"
+            )
+            self.report({"INFO"}, f"Nothing to mend: {left}")
         return {"FINISHED"} if mendable else {"CANCELLED"}
 
 
@@ -345,23 +372,30 @@ def citation(preset: presets.Preset) -> str:
     return f"{preset.name} [{preset.id}]: {preset.source['data']}{licence}."
 
 
-def chosen_estimator(shown: bpy.types.Scene) -> str:
+def chosen_estimator(shown: bpy.types.Scene | SceneFacts) -> str:
     """The panel's estimator, with ``auto`` decided."""
     return chosen(shown).estimator
 
 
-def chosen(shown: bpy.types.Scene) -> automatic.Pick:
-    """The panel's estimator and, where ``auto`` picked it, why."""
-    if shown.vgroove.estimator != "auto":
-        return automatic.Pick(shown.vgroove.estimator, "")
-    preset = chosen_preset(shown.vgroove)
-    return automatic.pick(shown, preset)
+def chosen(shown: bpy.types.Scene | SceneFacts) -> automatic.Pick:
+    """The panel's estimator and why it is taken, where the panel did not ask for it or the model lacks it."""
+    known = facts.of(shown)
+    settings = known.scene.vgroove
+    preset = chosen_preset(settings)
+    if settings.estimator in material.BUILDERS[preset.model]:
+        return automatic.Pick(settings.estimator, "")
+    picked = automatic.pick(known, preset)
+    if settings.estimator == "auto":
+        return picked
+    wanted = advice.name_of(settings.estimator)
+    return automatic.Pick(picked.estimator, f"{preset.name} has no {wanted} and gets Standard: {picked.why}")
 
 
-def current_problems(shown: bpy.types.Scene) -> list[advice.Problem]:
+def current_problems(shown: bpy.types.Scene | SceneFacts) -> list[advice.Problem]:
     """What is wrong with the scene for the panel's choices."""
-    preset = chosen_preset(shown.vgroove)
-    return advice.problems_with(shown, preset, shown.vgroove.backend, chosen_estimator(shown))
+    known = facts.of(shown)
+    settings = known.scene.vgroove
+    return advice.problems_with(known, chosen_preset(settings), settings.backend, chosen_estimator(known))
 
 
 CLASSES = (

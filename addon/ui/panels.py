@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from .. import material, presets
-from . import memory, operators, properties
+from . import memory, operators, properties, watch
 from .preferences import ROOT
 from .text import lines
 
@@ -30,18 +30,21 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
         draw_choice(layout, settings, preset)
         column = layout.column()
         column.row().prop(settings, "backend", expand=True)
-        column.prop(settings, "estimator")
-        picked = operators.chosen(context.scene)
-        split = column.split(factor=0.4)  # under the menu, and kept when nothing is picked: buttons must not jump
-        split.label()
-        split.label(text=f"Picks {picked.estimator.title()} here" if settings.estimator == "auto" else "")
+        picked = operators.chosen(watch.current(context.scene))
+        if _shows_estimators(settings):
+            column.prop(settings, "estimator")
+            split = column.split(factor=0.4)  # under the menu, and kept when nothing is picked: buttons must not jump
+            split.label()
+            split.label(text=f"Picks {picked.estimator.title()} here" if settings.estimator == "auto" else "")
+        else:
+            column.prop(settings, "quality")
         if picked.estimator == "hybrid":
             column.prop(settings, "bound", slider=True)
         row = layout.row()
         row.scale_y = 1.4
         row.operator("vgroove.apply", icon="MATERIAL")
         if picked.why:
-            lines(layout, f"{picked.estimator.title()}: {picked.why}", context.region.width)
+            lines(layout, picked.why[0].upper() + picked.why[1:], context.region.width)
         for error in presets.refused()[:1]:
             lines(layout, f"Left out of your presets: {error}", context.region.width, icon="ERROR")
 
@@ -91,7 +94,7 @@ class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
             lines(layout, preset.notes, width)
         if preset.m_range:
             low, high = preset.m_range
-            lines(layout, f"Slopes m that suit it: {low:g} to {high:g}", width)
+            lines(layout, f"Recommended slope m: {low:g} to {high:g}", width)
         layout.operator("vgroove.copy_citation", icon="COPYDOWN")
         row = layout.row(align=True)
         row.operator("vgroove.import_preset", text="Import", icon="IMPORT")
@@ -109,16 +112,22 @@ class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
         return ROOT not in context.preferences.addons or context.preferences.addons[ROOT].preferences.show_advice
 
     def draw(self, context: bpy.types.Context) -> None:
-        found = operators.current_problems(context.scene)
+        found = operators.current_problems(watch.current(context.scene))
         if not found:
             self.layout.label(text="This scene suits the choice", icon="CHECKMARK")
-        if sum(problem.mend is not None for problem in found) > 1:
+        if sum(problem.mend is not None and not problem.costs for problem in found) > 1:
             self.layout.operator("vgroove.mend", text="Mend All", icon="CHECKMARK").key = ""
         for problem in found:
             box = self.layout.box()
             lines(box, problem.text, context.region.width, icon="ERROR")
             if problem.mend:
                 box.operator("vgroove.mend", text=problem.button).key = problem.key
+
+
+def _shows_estimators(settings: bpy.types.PropertyGroup) -> bool:
+    """If the preferences say so, and where the file has one chosen that is no quality of its own."""
+    kept = memory.preferences()
+    return settings.estimator not in properties.STORED or bool(kept and kept.show_estimators)
 
 
 def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, preset: presets.Preset) -> None:
@@ -133,7 +142,7 @@ def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, p
     star = "SOLO_ON" if preset.id in memory.favourites() else "SOLO_OFF"
     row.operator("vgroove.favourite", text="", icon=star)
     if not properties.found(settings):
-        column.label(text="No preset is like that; choose All or clear the search", icon="INFO")
+        column.label(text="No match. Choose All or clear the search", icon="INFO")
 
 
 CLASSES = (VGROOVE_PT_material, VGROOVE_PT_advice, VGROOVE_PT_parameters, VGROOVE_PT_source)

@@ -42,6 +42,11 @@ class VGroovePreferences(bpy.types.AddonPreferences):
         description="List in the panel what keeps the chosen estimator from rendering as it should",
         default=True,
     )
+    show_estimators: bpy.props.BoolProperty(
+        name="Show Estimators",
+        description="Offer all six ways to render a model by name, in place of the three qualities",
+        default=False,
+    )
     favourites: bpy.props.StringProperty(
         name="Favourites", description="Presets marked with a star, by id", options={"HIDDEN"}
     )
@@ -50,6 +55,7 @@ class VGroovePreferences(bpy.types.AddonPreferences):
     def draw(self, _context: bpy.types.Context) -> None:
         column = self.layout.column()
         column.prop(self, "show_advice")
+        column.prop(self, "show_estimators")
         there = assets.registered() is not None
         text = "Remove from the Asset Browser" if there else "Show in the Asset Browser"
         column.operator("vgroove.asset_library", text=text, icon="ASSET_MANAGER").shown = not there

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import zlib
 from collections import Counter
+from functools import lru_cache
 
 import bpy
 
@@ -22,8 +23,24 @@ BACKENDS = (
     ),
     ("osl", "OSL", "Open Shading Language: CPU and OptiX only; switch it on in the render properties", "SCRIPT", 1),
 )
+QUALITIES = (
+    (
+        "standard",
+        "Standard",
+        "Cycles' own lobes, as close to the formula as they come: quick, and right whatever you change later",
+        0,
+    ),
+    (
+        "exact",
+        "Exact Lights",
+        "Light from the eight strongest lights follows the formula exactly; several times slower",
+        1,
+    ),
+    ("reference", "Reference", "The formula itself, for comparison: no bias, but noisy under small lights", 2),
+)
+STORED = ("auto", "corrected", "mirror")  # the estimator behind each quality
 ESTIMATORS = (
-    ("auto", "Automatic", "What errs least in this scene at its number of samples; the panel says why", 0),
+    ("auto", "Automatic", "Closure or Fit, whichever is expected to come closer in this scene; the panel says why", 0),
     (
         "fit",
         "Fit",
@@ -39,7 +56,7 @@ ESTIMATORS = (
     (
         "corrected",
         "Corrected",
-        "Fit, made exact for the eight strongest lamps: no noise from lamps of zero size, little from others",
+        "Fit, made exact for the eight strongest lights: no noise from lights of zero size, little from others",
         5,
     ),
     (
@@ -48,8 +65,8 @@ ESTIMATORS = (
         "Fit for the most part, the rest by Mirror: exact within a bound that you set, with less noise than Mirror",
         6,
     ),
-    ("mirror", "Mirror", "Exact: a random facet for each sample. Lamps of zero size are added by the formula", 2),
-    ("direct", "Direct", "Exact and free of noise, for the eight strongest lamps alone: no world, no reflections", 3),
+    ("mirror", "Mirror", "Exact: a random facet for each sample. Lights of zero size are added by the formula", 2),
+    ("direct", "Direct", "Exact and free of noise, for the eight strongest lights alone: no world, no reflections", 3),
 )
 
 ALL, FAVOURITES, RECENT = "ALL", "FAVOURITES", "RECENT"
@@ -72,7 +89,7 @@ def _tip(preset: presets.Preset) -> str:
 
 def family_items(_self: object, _context: object) -> list[Item]:
     """All, the user's favourites and recent ones, and each family with its number of presets."""
-    counts = Counter(preset.family for preset in presets.all_presets().values())
+    counts = _counts(tuple(presets.all_presets()))
     rows = [
         (ALL, "All", "Every preset", "NONE"),
         (FAVOURITES, "Favourites", "Those that you marked with a star", "SOLO_ON"),
@@ -86,14 +103,22 @@ def family_items(_self: object, _context: object) -> list[Item]:
     return _families
 
 
+@lru_cache(maxsize=2)
+def _counts(identities: tuple[str, ...]) -> Counter[str]:
+    """How many presets each family has. Kept, as Blender makes the list of families at every redraw."""
+    return Counter(identity.split("/")[0] for identity in identities)
+
+
 def found(settings: VGrooveSettings) -> list[presets.Preset]:
     """The presets of the chosen family whose id, name or tags hold every word of the search."""
     family = settings.family  # read once: Blender makes the list of families anew each time
-    hits = sorted(presets.search(settings.search), key=lambda p: (p.family != presets.FIRST_FAMILY, p.id))
+    hits = presets.search(settings.search)
     if family in {FAVOURITES, RECENT}:
         ids = memory.favourites() if family == FAVOURITES else memory.recent()
         return sorted((p for p in hits if p.id in ids), key=lambda p: ids.index(p.id))
-    return [p for p in hits if family in {ALL, p.family}]
+    if family != ALL:
+        hits = [p for p in hits if p.id.startswith(f"{family}/")]
+    return sorted(hits, key=lambda p: (not p.id.startswith(f"{presets.FIRST_FAMILY}/"), p.id))
 
 
 def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
@@ -118,6 +143,16 @@ def _set_shown(settings: VGrooveSettings, value: int) -> None:
     settings.preset = next(identity for identity in presets.all_presets() if number(identity) == value)
 
 
+def _get_quality(settings: VGrooveSettings) -> int:
+    """Estimators that are no quality of their own count as the nearest."""
+    nearest = {"fit": "auto", "closure": "auto", "hybrid": "mirror", "direct": "corrected"}
+    return STORED.index(nearest.get(settings.estimator, settings.estimator))
+
+
+def _set_quality(settings: VGrooveSettings, value: int) -> None:
+    settings.estimator = STORED[value]
+
+
 class VGrooveSettings(bpy.types.PropertyGroup):
     """What Apply will give to the selected objects."""
 
@@ -140,6 +175,13 @@ class VGrooveSettings(bpy.types.PropertyGroup):
     )
     estimator: bpy.props.EnumProperty(
         name="Estimator", description="How the formula reaches the renderer", items=ESTIMATORS, default="auto"
+    )
+    quality: bpy.props.EnumProperty(
+        name="Quality",
+        description="How closely the render follows the formula",
+        items=QUALITIES,
+        get=_get_quality,
+        set=_set_quality,
     )
     bound: bpy.props.FloatProperty(
         name="Bound",
