@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
     from ..facts import SceneFacts
 
+FILE_PATH = bpy.props.StringProperty(
+    name="File Path", description="The preset's file", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}
+)
 REFUSALS = (material.MaterialError, animation.AnimationError, PresetError, OslError)  # told in words
 
 
@@ -290,6 +293,7 @@ class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
     bl_options = {"REGISTER", "UNDO"}  # of the choice; the file stays
 
     filename_ext = ".toml"
+    filepath: FILE_PATH
     filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
 
     @classmethod
@@ -309,6 +313,7 @@ class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
     bl_options = {"REGISTER"}
 
     filename_ext = ".toml"
+    filepath: FILE_PATH
     filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -316,7 +321,7 @@ class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
         return ExportHelper.invoke(self, context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        path = Path(bpy.path.abspath(self.filepath))  # Blender's file browser gives "//" for the .blend's folder
+        path = Path(bpy.path.abspath(self.filepath))  # "//" is the .blend's folder
         try:
             with replacing(path) as temporary:
                 temporary.write_text(preset_files.dumps(chosen_preset(context.scene.vgroove)), encoding="utf-8")
