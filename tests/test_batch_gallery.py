@@ -90,7 +90,7 @@ def test_links_lead_back_from_elsewhere(folder, tmp_path_factory):
     """A page beside the stills points to their names, one elsewhere to where they are."""
     found = gallery.stills(folder)
     elsewhere = tmp_path_factory.mktemp("page") / "page.html"
-    for path, start in ((folder / "page.html", ""), (elsewhere, folder.as_uri() + "/")):
+    for path, start in ((folder / "page.html", "./"), (elsewhere, folder.as_uri() + "/")):
         gallery.write_page(path, folder, found, len(found))
         links = [one["href"] for one in Page(path.read_text(encoding="utf-8")).all("a")]
         assert start + "a" * 32 + ".png" in links
