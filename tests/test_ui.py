@@ -4,7 +4,7 @@
 import pytest
 
 import vgroove
-from vgroove.addon import headless
+from vgroove.addon import headless, material
 
 pytestmark = pytest.mark.blender
 
