@@ -20,6 +20,7 @@ from .material import (
     binds,
     is_ours,
     lamps_to_bind,
+    locked,
     origin_of,
 )
 from .rebuild import rebuild
@@ -141,7 +142,7 @@ def _stale_problems(scene: Scene) -> Iterator[Problem]:
         ]  # fmt: skip
         if missing:
             text = f"{made.name} was made before {', '.join(missing)} had to be bound, and misses that light"
-            yield Problem(f"stale {made.name}", text, "Update", partial(_update, made, scene))
+            yield Problem(f"stale {made.name}", text, "Update", None if locked(made) else partial(_update, made, scene))
 
 
 def _update(made: Material, scene: Scene) -> None:

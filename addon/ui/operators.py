@@ -83,7 +83,10 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         text = f"{preset.name} ({estimator}, {backend}) given to {'what is selected in ' * in_parts}{count}"
         if also := [item.name for item in slots.sharing(able) if item not in able]:
             text += f", and to {', '.join(also)}, which share{'s' * (len(also) == 1)} their mesh"
-        self.report({"WARNING"} if refused or lost else {"INFO"}, ". ".join([text, *lost, *refused[:1]]))
+        left = [
+            slots.refusal(item) for item in context.selected_objects if item.type in slots.TYPES and item not in able
+        ]
+        self.report({"WARNING"} if left or lost else {"INFO"}, ". ".join([text, *lost, *left[:1]]))
         return {"FINISHED"}
 
 
@@ -160,9 +163,12 @@ class VGROOVE_OT_mend(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         mendable = [p for p in current_problems(context.scene) if p.mend and self.key in {"", p.key}]
-        for problem in mendable:
-            if problem.mend:
-                problem.mend()
+        try:
+            for problem in mendable:
+                if problem.mend:
+                    problem.mend()
+        except REFUSALS as error:
+            self.report({"ERROR"}, str(error))
         if not mendable:
             self.report({"INFO"}, "Nothing to mend: the scene is as it should be")
         return {"FINISHED"} if mendable else {"CANCELLED"}
