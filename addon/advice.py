@@ -18,6 +18,7 @@ from .material import (
     NATIVE,
     RANDOM,
     binds,
+    locked,
 )
 from .rebuild import rebuild
 
@@ -150,7 +151,7 @@ def native_fresnel_error(kind: str, backend: str) -> float:
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
     """Materials that lost their node group, and those made before a light was added or lost its size."""
     for made, origin in known.origins.items():
-        update = partial(_update, made, known.scene)
+        update = None if locked(made) else partial(_update, made, known.scene)
         if origin is None:
             yield Problem(f"lost {made.name}", f"{made.name} has lost its node group", "Update", update)
             continue

@@ -134,6 +134,26 @@ def test_materials_that_are_linked_are_not_edited(extension, tmp_path):
     assert extension.context.object.active_material.library is None
 
 
+def test_advice_on_linked_materials_has_no_button(extension, tmp_path):
+    """They cannot be updated here; Mend All passes them over."""
+    from vgroove.addon import advice
+
+    path = str(tmp_path / "library.blend")
+    extension.data.lights["Light"].shadow_soft_size = 0.0
+    extension.context.scene.vgroove.estimator = "direct"
+    run(extension, "apply")
+    with headless.quiet():
+        extension.data.libraries.write(path, {extension.context.object})
+        extension.ops.wm.read_factory_settings()
+    with extension.data.libraries.load(path, link=True) as (there, wanted):
+        wanted.objects = there.objects
+    show(extension, next(item for item in wanted.objects if item.type == "MESH"))
+    copper = presets.find("lecture/copper")
+    found = advice.problems_with(extension.context.scene, copper, "nodes", "direct")
+    (stale,) = (problem for problem in found if problem.key.startswith("stale"))
+    assert stale.mend is None
+
+
 def test_objects_that_share_a_mesh_are_named(extension, capfd):
     """Blender keeps slots with the mesh: who else shows the material now is said."""
     other = extension.data.objects.new("Twin", extension.context.object.data)

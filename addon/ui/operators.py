@@ -84,7 +84,10 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         text = f"{preset.name} ({estimator}, {backend}) given to {'what is selected in ' * in_parts}{count}"
         if also := [item.name for item in slots.sharing(able) if item not in able]:
             text += f", and to {', '.join(also)}, which share{'s' * (len(also) == 1)} their mesh"
-        self.report({"WARNING"} if refused or lost else {"INFO"}, ". ".join([text, *lost, *refused[:1]]))
+        left = [
+            slots.refusal(item) for item in context.selected_objects if item.type in slots.TYPES and item not in able
+        ]
+        self.report({"WARNING"} if left or lost else {"INFO"}, ". ".join([text, *lost, *left[:1]]))
         return {"FINISHED"}
 
 
@@ -180,9 +183,12 @@ class VGROOVE_OT_mend(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         found = [p for p in current_problems(context.scene) if p.mend]
         mendable = [p for p in found if (p.key == self.key if self.key else not p.costs)]
-        for problem in mendable:
-            if problem.mend:
-                problem.mend()
+        try:
+            for problem in mendable:
+                if problem.mend:
+                    problem.mend()
+        except REFUSALS as error:
+            self.report({"ERROR"}, str(error))
         if not mendable:
             left = (
                 "what is left costs something elsewhere and has its own button"
