@@ -279,7 +279,7 @@ def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]
     name, rest = name_of(estimator), "left out" if estimator == "direct" else "as Standard has them"
     if not known.followed and estimator == "corrected":
         yield Problem("lamps", f"{name} finds no light that it can bind here and is the same as Standard")
-    for refused in known.refusals.values():
+    for refused in (why for item, why in known.refusals.items() if any(one.item == item for one in known.lights)):
         yield Problem("refused", refused[0].upper() + refused[1:])
     brought = [one for one in known.unbound([*known.followed, *known.refusals]) if one.via]
     if brought:

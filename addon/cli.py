@@ -165,7 +165,7 @@ def render(
     settings: SetOption = None,
     backend: BackendOption = Backend.NODES,
     estimator: Annotated[
-        Estimator, typer.Option(help="auto: what errs least in this scene at this many samples; see explain")
+        Estimator, typer.Option(help="auto: closure or fit, whichever comes closer in this scene; see explain")
     ] = Estimator.AUTO,
     bound: BoundOption = DEFAULT_BOUND,
     at_time: TimeOption = None,

@@ -172,7 +172,8 @@ def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
         return scene
     if update:
         for layer in scene.view_layers:
-            layer.update()
+            if layer.use:
+                layer.update()
     brought = _brought(scene)
     found = dict.fromkeys(item for item, _ in brought)
     of_trees: dict[NodeTree, Traits] = {}
@@ -190,7 +191,11 @@ def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
                if item.type == "VOLUME" or any(looks[one].volume for one in used)]  # fmt: skip
     return SceneFacts(
         scene,
-        tuple(Light(item, via, _is_small(item, middle)) for item, via in brought if item.type == "LIGHT"),
+        tuple(
+            Light(item, via, _is_small(item, middle))
+            for item, via in brought
+            if item.type == "LIGHT" and not _is_portal(item)
+        ),
         tuple(
             Emitter(item.name, strength, _angle(max(item.dimensions), item, middle) < SMALL_ANGLE)
             for item, strength in shining.items()
@@ -290,6 +295,11 @@ def _middle(items: Iterable[Object]) -> Vector:
 def _angle(extent: float, item: Object, middle: Vector) -> float:
     """The angle at which something so broad is seen from the middle of the objects."""
     return 2.0 * atan2(extent / 2.0, (item.matrix_world.translation - middle).length)
+
+
+def _is_portal(item: Object) -> bool:
+    """Whether a light only guides rays to the world."""
+    return item.data.type == "AREA" and item.data.cycles.is_portal
 
 
 def _is_small(item: Object, middle: Vector) -> bool:

@@ -44,6 +44,13 @@ def test_plain_lights_are_known_if_they_are_rendered(stage, blender):
     assert lights(stage) == set()
 
 
+def test_a_portal_is_no_light(stage):
+    area = add_light(stage, "Area", "AREA", size=1.0)
+    assert lights(stage) == {("Area", "")}
+    area.data.cycles.is_portal = True
+    assert lights(stage) == set()
+
+
 def test_lights_of_collection_instances_are_known_however_deep(stage, blender):
     """An instance within an instance; nothing that is switched off within one."""
     by_instance(stage)
