@@ -413,7 +413,7 @@ def in_a_mirror(shown: Scene) -> None:
     look_at(mirror, shown.camera.location)
     mirror.rotation_euler.rotate_axis("X", radians(180.0))
     mirror.data.materials.append(shaded("BsdfGlossy", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0))
-    light(shown, "AREA", 300.0, size=2.0)
+    light(shown, "AREA", 300.0, (-2.0, 2.0, 6.0), size=2.0)  # on the side that the mirror shows
 
 
 # --- cameras --------------------------------------------------------------------------------------------------------
