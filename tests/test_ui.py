@@ -309,7 +309,7 @@ def test_a_redraw_is_quicker_than_one_walk_over_the_scene(extension):
     from statistics import median
     from time import process_time
 
-    from vgroove.addon import lamps, material, presets
+    from vgroove.addon import lamps, presets
     from vgroove.addon.ui import panels
 
     stage = extension.context.scene
@@ -485,7 +485,6 @@ def test_pictures_are_read_when_they_are_drawn(extension, tmp_path, monkeypatch)
 
 def test_edited_numbers_are_reset(extension):
     """To those of the preset that the material was built from."""
-    from vgroove.addon import material
     from vgroove.addon.ui import operators
 
     extension.context.scene.vgroove.preset = "metals/gold"
@@ -515,7 +514,7 @@ def own_folder(extension, tmp_path, monkeypatch):
 
 def test_an_edited_material_is_saved_as_a_preset(extension, own_folder):
     """It is chosen at once, says what it was edited from, and never replaces another."""
-    from vgroove.addon import material, presets
+    from vgroove.addon import presets
     from vgroove.addon.ui import operators
 
     settings = extension.context.scene.vgroove
@@ -630,7 +629,6 @@ def rusting(extension):
 
 
 def slope(extension, made, frame):
-    from vgroove.addon import material
 
     extension.context.scene.frame_set(frame)
     return material.parameter_sockets(made)["m"].default_value
@@ -638,7 +636,7 @@ def slope(extension, made, frame):
 
 def test_apply_plays_a_preset_that_changes(extension, rusting):
     """By curves, by Age, or not at all where the panel says so."""
-    from vgroove.addon import animation, material
+    from vgroove.addon import animation
 
     made = rusting(start=10.0, length=100.0)
     assert [slope(extension, made, frame) for frame in (1, 10, 110, 200)] == pytest.approx([0.0645] * 2 + [0.27153] * 2)
@@ -659,7 +657,7 @@ def test_start_and_length_are_in_seconds_or_frames(extension):
 
 def test_courses_are_retimed_reversed_baked_removed_and_added_again(extension, rusting):
     """On every selected object at once."""
-    from vgroove.addon import animation, material
+    from vgroove.addon import animation
 
     made = rusting(driving="age")
     other = extension.data.objects.new("Other", extension.data.meshes.new("Other"))
@@ -689,7 +687,6 @@ def test_courses_are_retimed_reversed_baked_removed_and_added_again(extension, r
 )
 def test_each_change_of_a_course_is_one_undo_step(extension, rusting, operator):
     """One Ctrl-Z, and the curves are as before."""
-    from vgroove.addon import material
 
     made = rusting(driving="age" if operator == "course_bake" else "curves", play=operator != "course_add")
 
@@ -751,7 +748,7 @@ def test_the_panel_says_how_a_preset_changes(extension, rusting):
 @pytest.mark.parametrize("driving", ["curves", "age"])
 def test_a_course_that_was_edited_is_saved_with_the_preset(extension, own_folder, rusting, driving):
     """Its keys as they are now; one that was not keeps its laws."""
-    from vgroove.addon import animation, material, presets
+    from vgroove.addon import animation, presets
 
     made = rusting(driving=driving)
     with headless.quiet():

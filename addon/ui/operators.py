@@ -189,6 +189,7 @@ class VGROOVE_OT_mend(bpy.types.Operator):
                     problem.mend()
         except REFUSALS as error:
             self.report({"ERROR"}, str(error))
+            return {"FINISHED"}  # of what was mended before it
         if not mendable:
             left = (
                 "what is left costs something elsewhere and has its own button"
