@@ -416,7 +416,7 @@ def test_a_model_that_lacks_a_quality_gets_standard_and_the_panel_says_so(extens
     assert said == (quality == "exact")
     with headless.quiet():
         assert extension.ops.vgroove.apply() == {"FINISHED"}
-    assert expected.title() in extension.context.object.active_material.name
+    assert material.origin_of(extension.context.object.active_material).estimator == expected
 
 
 # Choosing
