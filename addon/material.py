@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
+import numpy as np
 
 from .. import nodegroups
 from ..nodegroups import (
@@ -37,7 +38,7 @@ from ..nodegroups import (
     translucent,
 )
 from ..nodegroups import sum as sum_group
-from . import animation
+from . import animation, colour_space
 from . import lamps as lamp_binding
 from .animation import Play
 from .preset_checks import M_RANGE, base_name
@@ -160,6 +161,8 @@ def build(preset: Preset, choice: Choice, into: Material | None = None) -> Mater
     for material in bpy.data.materials if into is None else ():
         if (material.get(KEY), material.get(TIME)) != (key, course) or material.library is not None:
             continue
+        if colour_space.is_stale(material):
+            continue
         if not is_edited(material):
             return material
     material = _build(preset, choice, into)
@@ -189,7 +192,8 @@ def _build(preset: Preset, choice: Choice, into: Material | None) -> Material:
     tree = material.node_tree
     tree.nodes.clear()
     node = _group_node(tree, group, preset.name)
-    for name, value in preset.parameters.items():
+    numbers = colour_space.to_space(preset.parameters, colour_space.matrix())
+    for name, value in numbers.items():
         if socket_name(name) in node.inputs:  # smooth glass has no slope
             # m = 0, a smooth interface, is what float32 can hold of it
             _set(node, socket_name(name), max(value, M_RANGE[0]) if base_name(name) == "m" else value)
@@ -201,7 +205,7 @@ def _build(preset: Preset, choice: Choice, into: Material | None) -> Material:
     output.location = (300, 0)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     if absorbs(preset):
-        _absorb(tree, output, preset.parameters["absorption"])
+        _absorb(tree, output, numbers["absorption"])
     if eevee.OUTPUT in node.outputs:
         output.target = "CYCLES"
         shown = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -210,12 +214,14 @@ def _build(preset: Preset, choice: Choice, into: Material | None) -> Material:
     _show_in_solid_view(material, preset)
     material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
+    colour_space.mark(material)
     return material
 
 
 def _animate(material: Material, preset: Preset, play: Play) -> None:
     """Have the material play the preset's course."""
-    sockets, course, backend = parameter_sockets(material), preset.trajectory(), json.loads(material[KEY])[5]
+    sockets, backend = parameter_sockets(material), json.loads(material[KEY])[5]
+    course = colour_space.course(preset.trajectory(), preset.parameters, colour_space.matrix())
     animation.animate(material, {name: sockets[name] for name in course.laws}, course, play, preset.name, backend)
 
 
@@ -309,9 +315,7 @@ def origin_of(material: Material) -> Origin:
     identity, model, kind, coupled, parameters, backend, estimator, _, *bound = json.loads(material[KEY])
     node = next(node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeGroup" and _is_model(node))
     now = {name: tuple(value) if isinstance(value, list) else value for name, value in parameters.items()}
-    for name, socket in parameter_sockets(material).items():
-        value = socket.default_value
-        now[name] = tuple(value)[:3] if isinstance(value, Iterable) else float(value)
+    now |= colour_space.read(_values(material), now, colour_space.of(material))
     known = all_presets().get(identity)
     source = known.source if known else {"data": "unknown"}
     preset = Preset(identity, node.label, model, kind, now, source, coupled=coupled)
@@ -322,6 +326,12 @@ def origin_of(material: Material) -> Origin:
     return Origin(preset, backend, estimator, float(limit), plain=plain)
 
 
+def _values(material: Material) -> dict[str, Any]:
+    """The numbers of a material as its inputs hold them, in the working space."""
+    found = {name: socket.default_value for name, socket in parameter_sockets(material).items()}
+    return {name: tuple(of)[:3] if isinstance(of, Iterable) else float(of) for name, of in found.items()}
+
+
 def is_edited(material: Material) -> bool:
     """Whether a material that ``build`` made was changed since."""
     return bool(material[STATE] != _state(material))
@@ -329,11 +339,12 @@ def is_edited(material: Material) -> bool:
 
 def reset(material: Material) -> None:
     """Give a material that ``build`` made the numbers again that it was built with, and its course."""
-    parameters = _parameters_of(material)
+    parameters = colour_space.to_space(_parameters_of(material), colour_space.matrix())
     sockets = parameter_sockets(material)
     animation.remove(material, sockets)
     for name, socket in sockets.items():
         _set(socket.node, socket.name, parameters[name])
+    colour_space.mark(material)
     if (played := course_of(material)) is not None:
         _animate(material, *played)
     _show_in_solid_view(material, origin_of(material).preset)
@@ -370,7 +381,8 @@ def kept(material: Material) -> Preset:
     known = built.time or Timeline("share", 0.0, 1.0, "authored", {})
     laws: dict[str, dict[str, Any]] = {}
     starts: dict[str, Any] = {}
-    for name, keys in animation.courses(material, parameter_sockets(material)).items():
+    courses = animation.courses(material, parameter_sockets(material))
+    for name, keys in colour_space.courses(courses, _values(material), colour_space.of(material)).items():
         times = (known.start + keys.times * (known.end - known.start)).tolist()
         values = [tuple(of) if isinstance(of, list) else of for of in keys.values.tolist()]
         starts[name] = values[0]
@@ -425,6 +437,7 @@ def _state(material: Material) -> str:
     values: list[Any] = []
     found = curves(material)
     moving = {curve.data_path for curve in found}
+    rec709 = _in_rec709(material)
     for curve in found:
         keys = [[round(float(part), 5) for part in point.co] for point in curve.keyframe_points]
         values.append([curve.data_path, curve.array_index, keys])
@@ -433,12 +446,30 @@ def _state(material: Material) -> str:
     for node in sorted(material.node_tree.nodes, key=lambda node: node.name):
         for socket in node.inputs:
             driven = node.label.startswith("Lamp") or f"{socket.path_from_id()}.default_value" in moving
-            value = getattr(socket, "default_value", None)
+            value = rec709.get(socket.path_from_id(), getattr(socket, "default_value", None))
             plain = [round(float(part), 7) for part in value] if isinstance(value, Iterable) else value
             values.append(
                 [node.name, socket.name, None if driven else plain, [link.from_node.name for link in socket.links]]
             )
     return json.dumps(values)
+
+
+def _in_rec709(material: Material) -> dict[str, Any]:
+    """By the path of each parameter's input, what its numbers are in Rec.709, as an input holds them.
+
+    So a material is as edited, or not, in every working space. Empty where the numbers are in Rec.709 as they are.
+    """
+    if colour_space.KEY not in material:
+        return {}
+    built = {
+        name: max(of, M_RANGE[0]) if base_name(name) == "m" else of for name, of in _parameters_of(material).items()
+    }
+    read = colour_space.read(_values(material), built, colour_space.of(material))
+    found = {}
+    for name, socket in parameter_sockets(material).items():
+        held = np.float32(read[name]).tolist()
+        found[socket.path_from_id()] = [*held, 1.0] if socket.type == "RGBA" else held
+    return found
 
 
 def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
@@ -516,6 +547,7 @@ def _show_in_solid_view(material: Material, preset: Preset) -> None:
         color = tuple(float(channel) for channel in preset.reference_fresnel()(1.0))
     for k in range(1, preset.lobes + 1):
         color = tuple(c + values[f"s_{k}"] * f0 for c, f0 in zip(color, values[f"f0_{k}"], strict=True))
+    color = colour_space.colour(color, colour_space.matrix()).tolist()
     material.diffuse_color = (*color, 0.3 if preset.transparent else 1.0)
     material.roughness = 1.0 if preset.model == "oren_nayar" else min(1.0, preset.m**0.5)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import presets
+from .. import colour_update, presets
 from . import course, operators, panels, preferences, properties, thumbnails
 
 _registered = ExitStack()
@@ -22,6 +22,8 @@ def register() -> None:
             undo.callback(bpy.utils.unregister_class, kind)
         thumbnails.register()
         undo.callback(thumbnails.unregister)
+        colour_update.register()
+        undo.callback(colour_update.unregister)
         presets.set_user_folder(_user_folder())
         undo.callback(presets.set_user_folder, None)
         bpy.types.Scene.vgroove = bpy.props.PointerProperty(type=properties.VGrooveSettings)
