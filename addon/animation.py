@@ -478,6 +478,16 @@ def remove(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
     _drop_curves(material, curves_of(material, sockets.values()))
 
 
+def replace_curves(material: Material, sockets: Mapping[str, NodeSocket], keys: Mapping[str, Keyframes]) -> None:
+    """Give inputs that have F-curves straight ones of these keys instead, by age over the same frames."""
+    make_own(material)
+    first, last = span_of(curves_of(material, sockets.values()))
+    for name, of in keys.items():
+        _drop_curves(material, curves_of(material, [sockets[name]]))
+        frames = Keyframes(first + of.times * (last - first), of.values)
+        _key(material, sockets[name], frames, "linear")
+
+
 def _drop_trajectory(material: Material, node: Node) -> None:
     """The node and the curve of its Age, and its group and texts where nothing else uses them."""
     group = node.node_tree

@@ -105,13 +105,17 @@ class View:
 
 @dataclass
 class Row:
-    """One line of the table: an estimator in a setup on one material, over all its views."""
+    """One line of the table: an estimator in a setup on one material, over all its views.
+
+    noisy_rows: how many rows of its plan are judged by Z-tests, for Sidak's correction.
+    """
 
     test: str
     setup: Setup
     fresnel: str
     m: float
     views: list[View] = field(default_factory=list)
+    noisy_rows: int = NOISY_ROWS
 
     @property
     def is_noisy(self) -> bool:
@@ -121,7 +125,7 @@ class Row:
     def error(self) -> float:
         """Worst share of the bar's own measure: largest difference; for noisy rows the share of pixels that pass."""
         if self.is_noisy:
-            return float(min(share_within(view.z) for view in self.views))
+            return float(min(share_within(view.z, self.noisy_rows) for view in self.views))
         return max(view.error for view in self.views)
 
     @property
@@ -132,9 +136,9 @@ class Row:
     def passed(self) -> bool:
         if not self.is_noisy:
             return all(view.error <= view.bar for view in self.views)
-        enough = all(share_within(view.z) >= self.bar for view in self.views)
+        enough = all(share_within(view.z, self.noisy_rows) >= self.bar for view in self.views)
         spread = max(spread_z(view.z) for view in self.views)
-        limits = limit(NOISY_ROWS), limit(NOISY_ROWS * len(self.views))
+        limits = limit(self.noisy_rows), limit(self.noisy_rows * len(self.views))
         return enough and abs(self.scale_z) <= limits[0] and spread <= limits[1]
 
     @property
@@ -145,7 +149,7 @@ class Row:
     @property
     def resolves(self) -> float:
         """The smallest common scale error that the row would turn red on, or its bar if it is free of noise."""
-        return float(limit(NOISY_ROWS) / np.sqrt(self._information())) if self.is_noisy else self.bar
+        return float(limit(self.noisy_rows) / np.sqrt(self._information())) if self.is_noisy else self.bar
 
     def _information(self) -> float:
         return sum(float(np.sum(expected**2 / variance)) for _, expected, variance in map(_noisy, self.views))
@@ -190,17 +194,17 @@ def limit(tests: int) -> float:
     return float(norm.isf((1.0 - 0.99 ** (1.0 / tests)) / 2.0))
 
 
-def surely_seen(error: float) -> float:
+def surely_seen(error: float, noisy_rows: int = NOISY_ROWS) -> float:
     """What every row has to resolve so that noise hides an ``error`` of their reference but once in a hundred plans."""
-    return error / (1.0 + limit(2 * NOISY_ROWS) / limit(NOISY_ROWS))
+    return error / (1.0 + limit(2 * noisy_rows) / limit(noisy_rows))
 
 
-def share_within(z: NDArray[np.float64]) -> float:
+def share_within(z: NDArray[np.float64], noisy_rows: int = NOISY_ROWS) -> float:
     """Share of pixel-channels within the Sidak limit for all of them.
 
-    Of fewer than 400 none may be beyond, so that there the limit is for those of all rows.
+    Of fewer than 400 none may be beyond, so that there the limit is for those of all of the plan's ``noisy_rows``.
     """
-    return float(np.mean(np.abs(z) <= limit(z.size if z.size >= 400 else z.size * NOISY_ROWS)))
+    return float(np.mean(np.abs(z) <= limit(z.size if z.size >= 400 else z.size * noisy_rows)))
 
 
 def spread_z(z: NDArray[np.float64]) -> float:

@@ -55,7 +55,7 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     leaning = more * hybrid_share(wo, m, DEFAULT_BOUND)[:, None] * expected  # in the mean, and as much for doubt
     # Two grids apart by as much say how well the reference is known.
     view = furnace_view(preset, setup, "hybrid", expected + leaning, doubt=np.hypot(fine - coarse, leaning))
-    return Row("hybrid, furnace", setup, fresnel, m, [view])
+    return Row("hybrid, furnace", setup, fresnel, m, [view], noisy_rows=NOISY_ROWS)
 
 
 @cache
@@ -119,7 +119,7 @@ def sampled_share(wo: NDArray[np.float64], mixture: Lobes) -> NDArray[np.float64
 def sun_row(estimator: str, setup: Setup, fresnel: str, m: float) -> Row:
     """Under a sun of 20 degrees: the mean of f over its disc, weighted by the cosine."""
     preset = materials()[fresnel].with_parameters(m=m)
-    row = Row(f"{estimator}, sun", setup, fresnel, m)
+    row = Row(f"{estimator}, sun", setup, fresnel, m, noisy_rows=NOISY_ROWS)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE)
         row.views.append(sun_view(preset, setup, estimator, geometry, SUN_SAMPLES[estimator], MIRRORED))

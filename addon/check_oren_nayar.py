@@ -66,7 +66,14 @@ def furnace_row(setup: Setup, kind: str, sigma: float, albedo: Any = ALBEDO) -> 
     mean, square = furnace_moments(model(of))
     variance = np.maximum(square - mean**2, 0.0) / FURNACE_SAMPLES
     measured = check.measure(of, setup, "mirror", geometry, FURNACE_SAMPLES)
-    return Row("mirror, furnace", setup, kind, sigma, [View(geometry, measured, mean, variance=variance)])
+    return Row(
+        "mirror, furnace",
+        setup,
+        kind,
+        sigma,
+        [View(geometry, measured, mean, variance=variance)],
+        noisy_rows=NOISY_ROWS,
+    )
 
 
 @cache
@@ -82,7 +89,7 @@ def sun_row(setup: Setup, kind: str, sigma: float) -> Row:
     """``mirror`` under a sun of 60 degrees: the mean of f over its disc, weighted by the cosine."""
     of = preset(kind, sigma)
     reference = model(of)
-    row = Row("mirror, sun", setup, kind, sigma)
+    row = Row("mirror, sun", setup, kind, sigma, noisy_rows=NOISY_ROWS)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
         wo = geometry.wo()
@@ -104,7 +111,7 @@ def hybrid_furnace_row(setup: Setup, kind: str, sigma: float) -> Row:
     of = preset(kind, sigma)
     coarse, fine = (hybrid_albedo(model(of), nodes) for nodes in (96, 160))
     view = furnace_view(of, setup, "hybrid", fine, doubt=fine - coarse)
-    return Row("hybrid, furnace", setup, kind, sigma, [view])
+    return Row("hybrid, furnace", setup, kind, sigma, [view], noisy_rows=NOISY_ROWS)
 
 
 @cache
@@ -115,7 +122,7 @@ def hybrid_albedo(reference: OrenNayar, nodes: int) -> NDArray[np.float64]:
 
 def seeded_sun_row(estimator: str, setup: Setup, kind: str, sigma: float) -> Row:
     """``corrected`` and ``hybrid`` under a sun of 60 degrees."""
-    row = Row(f"{estimator}, sun", setup, kind, sigma)
+    row = Row(f"{estimator}, sun", setup, kind, sigma, noisy_rows=NOISY_ROWS)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
         row.views.append(

@@ -67,7 +67,7 @@ def furnace_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     coarse, fine = (_sent_back(kind, m, estimator, nodes) for nodes in (72, 100))
     # Two grids apart by as much say how well the reference is known.
     view = furnace_view(of, setup, estimator, fine, doubt=fine - coarse)
-    return Row(f"{estimator}, furnace", setup, kind, m, [view])
+    return Row(f"{estimator}, furnace", setup, kind, m, [view], noisy_rows=NOISY_ROWS)
 
 
 @cache
@@ -87,7 +87,7 @@ def _sent_back(kind: str, m: float, estimator: str, nodes: int) -> NDArray[np.fl
 
 def sun_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     """Noisy estimators under a sun of 60 degrees."""
-    row = Row(f"{estimator}, sun", setup, kind, m)
+    row = Row(f"{estimator}, sun", setup, kind, m, noisy_rows=NOISY_ROWS)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
         row.views.append(

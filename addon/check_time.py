@@ -114,7 +114,7 @@ def hybrid_row(setup: Setup, driving: str, name: str) -> Row:
     # Means of some pixels are judged, as the weight of a random facet is skewed. A wrong reference is the same in all
     # groups of a row, whose sum it moves as often.
     variance = np.maximum(own, alike) / TOGETHER + width / TOGETHER * np.square(doubt)
-    row = Row(f"hybrid by {driving}", setup, preset.name, preset.m)
+    row = Row(f"hybrid by {driving}", setup, preset.name, preset.m, noisy_rows=NOISY_ROWS)
     for image, mean, spread in zip(images, expected, variance, strict=True):
         means = image.reshape(height, width // TOGETHER, TOGETHER, 3).mean(axis=2)
         full = np.ones_like(means)

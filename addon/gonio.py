@@ -18,6 +18,7 @@ import bpy
 import numpy as np
 
 from ..nodegroups.osl_script import text_block, tidy
+from . import colour_space
 from .images import pixels
 from .material import Choice, build, lamps_to_bind
 from .reference.hybrid import DEFAULT_BOUND
@@ -259,7 +260,7 @@ def _camera(scene: Scene, geometry: Geometry) -> None:
 
 
 def rendered(scene: Scene) -> NDArray[np.float32]:
-    """Linear RGB of the scene's render, (H, W, 3) float32, row 0 on top."""
+    """The scene's render in linear Rec.709, whatever the file's working space, (H, W, 3) float32, row 0 on top."""
     with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
         path = Path(folder) / "render.exr"
         scene.render.filepath = str(path)
@@ -268,7 +269,7 @@ def rendered(scene: Scene) -> NDArray[np.float32]:
         image.colorspace_settings.name = "Non-Color"
         found = pixels(image)
         bpy.data.images.remove(image)
-    return found
+    return colour_space.to_rec709(found)
 
 
 def measure_sphere(

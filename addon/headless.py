@@ -6,12 +6,15 @@ from __future__ import annotations
 import importlib.util
 import os
 import sys
+import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+
+OVERFLOW = b"out of SVM stack space"  # what Cycles says of a shader that is too big; it then renders it black
 
 
 def prepare() -> None:
@@ -47,3 +50,23 @@ def quiet() -> Iterator[None]:
         sys.stdout.flush()
         os.dup2(kept, 1)
         os.close(kept)
+
+
+def stack_overflows(render: Callable[[], object]) -> bool:
+    """Whether Cycles ran out of stack in ``render()``: it says so on the standard streams, at the C level, alone."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = {stream: os.dup(stream) for stream in (1, 2)}
+    with tempfile.TemporaryFile() as heard:
+        try:
+            for stream in kept:
+                os.dup2(heard.fileno(), stream)
+            render()
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            for stream, before in kept.items():
+                os.dup2(before, stream)
+                os.close(before)
+        heard.seek(0)
+        return OVERFLOW in heard.read()

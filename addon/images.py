@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
+from . import colour_space
 from .files import readable, replacing
 from .inputs import MOST_SIDE
 
@@ -35,10 +36,12 @@ def pixels(image: Image) -> NDArray[np.float32]:
     return flat.reshape(height, width, -1)[::-1, :, :3]
 
 
-def write(path: Path, picture: NDArray[np.floating], attributes: Mapping[str, Any]) -> None:
+def write(
+    path: Path, picture: NDArray[np.floating], attributes: Mapping[str, Any], space: str = colour_space.OF_REC709
+) -> None:
     """(H, W, 3) as float32 EXR, or of another ending (PNG, WebP) as 8 bits of what is from 0 to 1, with attributes.
 
-    OSError where that fails.
+    space: the colour space that an EXR's values are in, which the file states. OSError where that fails.
     """
     import OpenImageIO as oiio  # noqa: N813 - its usual name. The one inside the bpy wheel: headless.prepare() has put it first
 
@@ -46,7 +49,7 @@ def write(path: Path, picture: NDArray[np.floating], attributes: Mapping[str, An
     height, width, _ = picture.shape
     spec = oiio.ImageSpec(width, height, 3, "float" if is_float else "uint8")
     if is_float:
-        spec.attribute("oiio:ColorSpace", "lin_rec709")
+        spec.attribute("oiio:ColorSpace", space)
         spec.attribute("compression", "zip")
     for name, value in attributes.items():
         spec.attribute(name, value)
@@ -61,9 +64,13 @@ def write(path: Path, picture: NDArray[np.floating], attributes: Mapping[str, An
 
 
 def save(path: Path, picture: NDArray[np.floating], shown: Scene, attributes: Mapping[str, Any]) -> None:
-    """A picture in linear light as EXR, or as it looks in the scene as PNG; whole or not at all."""
+    """A picture in linear light as EXR, in the working space as Blender's own, or as it looks in the scene as PNG.
+
+    Whole or not at all.
+    """
     with replacing(path) as temporary:
-        write(temporary, picture if path.suffix.lower() == ".exr" else displayed(picture, shown), attributes)
+        picture = picture if path.suffix.lower() == ".exr" else displayed(picture, shown)
+        write(temporary, picture, attributes, colour_space.name())
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
+import numpy as np
 
 from .. import nodegroups
 from ..nodegroups import (
@@ -37,7 +38,7 @@ from ..nodegroups import (
     translucent,
 )
 from ..nodegroups import sum as sum_group
-from . import animation, origin, roles
+from . import animation, colour_space, origin, roles
 from . import lamps as lamp_binding
 from .origin import Record
 from .preset_checks import M_RANGE, base_name
@@ -198,7 +199,7 @@ def _is_built_so(material: Material, record: Record, group: ShaderNodeTree) -> b
         return False
     node = roles.node(material, roles.MODEL)
     same = node is not None and node.node_tree == group and kept.builds() == record.builds()
-    return same and not is_edited(material)
+    return same and not colour_space.is_stale(material) and not is_edited(material)
 
 
 def fill(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree) -> None:
@@ -212,7 +213,7 @@ def fill(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTr
     output.location, output[roles.KEY] = (300, 0), roles.OUTPUT
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     if absorbs(preset):
-        _absorb(tree, output, preset.parameters["absorption"])
+        _absorb(tree, output, numbers_of(preset)["absorption"])
     show_in_eevee(tree, node, output)
     show_in_solid_view(material, preset)
     set_up(material, choice)
@@ -221,9 +222,10 @@ def fill(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTr
 def add_model(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree) -> Node:
     """A node of the model with the preset's numbers, and the lights that it evaluates."""
     node = _group_node(material.node_tree, group, preset.name, roles.MODEL)
-    for name, value in preset.parameters.items():
+    for name, value in numbers_of(preset).items():
         if socket_name(name) in node.inputs:  # smooth glass has no slope
-            set_input(node.inputs[socket_name(name)], held(name, value))
+            set_input(node.inputs[socket_name(name)], value)
+    colour_space.mark(material)
     if choice.estimator == "hybrid":
         node.inputs["Bound"].default_value = choice.bound
     bind_lights(material, node, choice)
@@ -233,6 +235,12 @@ def add_model(material: Material, preset: Preset, choice: Choice, group: ShaderN
 def held(parameter: str, value: Any) -> Any:
     """A parameter's value as its input has it: m = 0, a smooth interface, is what float32 can hold of it."""
     return max(value, M_RANGE[0]) if base_name(parameter) == "m" else value
+
+
+def numbers_of(preset: Preset) -> dict[str, Any]:
+    """A preset's parameters as inputs have them in the open file's working space."""
+    numbers = colour_space.to_space(preset.parameters, colour_space.matrix())
+    return {name: held(name, value) for name, value in numbers.items()}
 
 
 def bind_lights(material: Material, node: Node, choice: Choice) -> None:
@@ -262,10 +270,9 @@ def show_in_eevee(tree: ShaderNodeTree, node: Node, output: Node) -> None:
 def animate(material: Material, record: Record) -> None:
     """Have the material play its preset's course, where it plays one."""
     if record.play is not None:
-        preset = record.preset
-        animation.animate(
-            material, parameter_sockets(material), preset.trajectory(), record.play, preset.name, record.backend
-        )
+        preset, sockets = record.preset, parameter_sockets(material)
+        course = colour_space.course(preset.trajectory(), preset.parameters, colour_space.matrix())
+        animation.animate(material, sockets, course, record.play, preset.name, record.backend)
 
 
 def absorbs(preset: Preset) -> bool:
@@ -341,9 +348,7 @@ def origin_of(material: Material) -> Origin:
     """The preset and choice behind a material; the numbers are those of its inputs now, where it still has them."""
     record = _record(material)
     now = dict(record.preset.parameters)
-    for name, socket in parameter_sockets(material).items():
-        value = socket.default_value
-        now[name] = tuple(value)[:3] if isinstance(value, Iterable) else float(value)
+    now |= colour_space.read(values_of(material), now, colour_space.of(material))
     # How the preset was verified, and what is noted of it, holds for its own numbers.
     preset = replace(record.preset, parameters=now, verified={}, m_range=None, notes="", time=None)
     node = roles.node(material, roles.MODEL)
@@ -390,6 +395,12 @@ def locked(material: Material) -> str:
     return f"{material.name} {what}; choose Object > Relations > Make Local > Materials, or apply a preset"
 
 
+def values_of(material: Material) -> dict[str, Any]:
+    """The numbers of a material as its inputs hold them, in the working space."""
+    found = {name: socket.default_value for name, socket in parameter_sockets(material).items()}
+    return {name: tuple(of)[:3] if isinstance(of, Iterable) else float(of) for name, of in found.items()}
+
+
 def is_edited(material: Material) -> bool:
     """Whether a material was changed since ``build`` made it."""
     state = _state_1(material) if roles.is_format_1(material) else state_of(material)
@@ -421,7 +432,8 @@ def to_preset(material: Material) -> Preset:
     known = record.preset.time or Timeline("share", 0.0, 1.0, "authored", {})
     laws: dict[str, dict[str, Any]] = {}
     starts: dict[str, Any] = {}
-    for name, keys in animation.courses(material, parameter_sockets(material)).items():
+    courses = animation.courses(material, parameter_sockets(material))
+    for name, keys in colour_space.courses(courses, values_of(material), colour_space.of(material)).items():
         times = (known.start + keys.times * (known.end - known.start)).tolist()
         values = [tuple(of) if isinstance(of, list) else of for of in keys.values.tolist()]
         starts[name] = values[0]
@@ -455,6 +467,9 @@ def stop(material: Material) -> None:
     origin.write(material, replace(record, play=None))
 
 
+CURVE, TRAJECTORY = "F-curve", "trajectory"  # how the entries of a state begin that tell of its course
+
+
 def state_of(material: Material) -> str:
     """The inputs that artists can change, and what is linked, as one comparable text.
 
@@ -473,12 +488,12 @@ def state_of(material: Material) -> str:
     found = curves(material)
     for curve in found:
         keys = [[round(float(part), 5) for part in point.co] for point in curve.keyframe_points]
-        values.append([*inputs[curve.data_path][:2], curve.array_index, keys])
+        values.append([CURVE, *inputs[curve.data_path][:2], curve.array_index, keys])
     if (course := animation.trajectory_node(material)) is not None:
-        values.append(str(trajectory.keys_of(course.node_tree)))
-    moving = {curve.data_path for curve in found}
+        values.append([TRAJECTORY, str(trajectory.keys_of(course.node_tree))])
+    moving, rec709 = {curve.data_path for curve in found}, _in_rec709(material)
     for path, (node, name, socket) in inputs.items():
-        value = getattr(socket, "default_value", None)
+        value = rec709.get(socket.path_from_id(), getattr(socket, "default_value", None))
         plain = [round(float(part), 7) for part in value] if isinstance(value, Iterable) else value
         driven = path in moving or node.startswith(roles.LIGHT)
         links = [[names[link.from_node.name], link.from_socket.name] for link in socket.links]
@@ -507,6 +522,7 @@ def _state_1(material: Material) -> str:
     values: list[Any] = []
     found = curves(material)
     moving = {curve.data_path for curve in found}
+    rec709 = _in_rec709(material)
     for curve in found:
         keys = [[round(float(part), 5) for part in point.co] for point in curve.keyframe_points]
         values.append([curve.data_path, curve.array_index, keys])
@@ -515,12 +531,28 @@ def _state_1(material: Material) -> str:
     for node in sorted(material.node_tree.nodes, key=lambda node: node.name):
         for socket in node.inputs:
             driven = node.label.startswith("Lamp") or f"{socket.path_from_id()}.default_value" in moving
-            value = getattr(socket, "default_value", None)
+            value = rec709.get(socket.path_from_id(), getattr(socket, "default_value", None))
             plain = [round(float(part), 7) for part in value] if isinstance(value, Iterable) else value
             values.append(
                 [node.name, socket.name, None if driven else plain, [link.from_node.name for link in socket.links]]
             )
     return json.dumps(values)
+
+
+def _in_rec709(material: Material) -> dict[str, Any]:
+    """By the path of each parameter's input, what its numbers are in Rec.709, as an input holds them.
+
+    So a material is as edited, or not, in every working space. Empty where the numbers are in Rec.709 as they are.
+    """
+    if colour_space.KEY not in material:
+        return {}
+    built = {name: held(name, of) for name, of in _record(material).preset.parameters.items()}
+    read = colour_space.read(values_of(material), built, colour_space.of(material))
+    found = {}
+    for name, socket in parameter_sockets(material).items():
+        number = np.float32(read[name]).tolist()
+        found[socket.path_from_id()] = [*number, 1.0] if socket.type == "RGBA" else number
+    return found
 
 
 def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
@@ -599,6 +631,7 @@ def show_in_solid_view(material: Material, preset: Preset) -> None:
         color = tuple(float(channel) for channel in preset.reference_fresnel()(1.0))
     for k in range(1, preset.lobes + 1):
         color = tuple(c + values[f"s_{k}"] * f0 for c, f0 in zip(color, values[f"f0_{k}"], strict=True))
+    color = colour_space.colour(color, colour_space.matrix()).tolist()
     material.diffuse_color = (*color, 0.3 if preset.transparent else 1.0)
     material.roughness = 1.0 if preset.model == "oren_nayar" else min(1.0, preset.m**0.5)
 

@@ -15,7 +15,7 @@ import bpy
 
 from .. import nodegroups
 from ..nodegroups import eevee
-from . import animation, material, origin, roles
+from . import animation, colour_space, colour_update, material, origin, roles
 from .material import Choice, lamps_to_bind
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from bpy.types import Driver, Material, Node, NodeSocket, Scene, ShaderNodeTree
 
     from .animation import Play
+    from .origin import Record
     from .presets import Preset
 
 AS_IT_IS: Any = object()  # a course that stays as it is
@@ -37,7 +38,7 @@ def rebuild(
 
     Returns what could not be kept, a sentence each. MaterialError, with nothing changed, if it cannot be done.
     """
-    record = material.upgrade(made)
+    record = _current(made)
     estimator = estimator or record.estimator
     limit = material.origin_of(made).bound if bound is None else bound
     lamps = lamps_to_bind(scene, estimator, record.preset.model)
@@ -61,7 +62,7 @@ def reset(made: Material, scene: Scene) -> list[str]:
 
     Returns which inputs something else still drives, a sentence each.
     """
-    record = material.upgrade(made)
+    record = _current(made)
     lost = []
     if roles.node(made, roles.MODEL) is None:
         lost = rebuild(made, scene)
@@ -69,8 +70,9 @@ def reset(made: Material, scene: Scene) -> list[str]:
     sockets = material.parameter_sockets(made)
     if record.play is not None:
         animation.remove(made, sockets)
+    numbers = material.numbers_of(record.preset)
     for name, socket in sockets.items():
-        material.set_input(socket, material.held(name, record.preset.parameters[name]))
+        material.set_input(socket, numbers[name])
     material.animate(made, record)
     material.show_in_solid_view(made, record.preset)
     ours = animation.trajectory_node(made)
@@ -83,6 +85,15 @@ def reset(made: Material, scene: Scene) -> list[str]:
         elif path in courses or path in drivers:
             lost.append(f"{socket.name} keeps its {'driver' if path in drivers else 'keys'}")
     return lost
+
+
+def _current(made: Material) -> Record:
+    """What a material was built from, with its numbers in the open file's working space."""
+    record = material.upgrade(made)
+    if colour_space.is_stale(made):
+        colour_update.refresh(made)
+        record = material.upgrade(made)
+    return record
 
 
 def _as_new(preset: Preset, choice: Choice) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from .colour_update import refresh_all
 from .files import one_root, replacing
 from .follow import refresh
 
@@ -151,6 +152,7 @@ def opened(path: Path) -> Scene:
     except RuntimeError as error:
         message = f"{path}: cannot be opened as a .blend: {' '.join(str(error).split())}"
         raise SceneError(message) from error
+    refresh_all()  # without the extension nothing kept materials to the file's working space
     return bpy.context.scene
 
 

@@ -113,12 +113,33 @@ def _is_ramp(node: Node) -> bool:
     return {"Before", "After", "Start", "End"} <= {socket.name for socket in node.inputs}
 
 
-def _of_ramps(last: Node) -> list[Key]:
+def set_values(group: ShaderNodeTree, name: str, values: Sequence[Sequence[float]]) -> None:
+    """Give the keys of one colour, as ``keys_of`` finds them, other values at the same ages. Of ramps alone."""
+    output = next(node for node in group.nodes if node.bl_idname == "NodeGroupOutput")
+    last = output.inputs[name].links[0].from_node
+    if not _is_ramp(last):
+        return
+    given = {age: tuple(value) for (age, _), value in zip(_of_ramps(last), values, strict=True)}
+    ramps = _ramps(last)
+    ramps[0].inputs["Before"].default_value = (*values[0], 1.0)
+    for node in ramps:
+        node.inputs["After"].default_value = (*given[node.inputs["End"].default_value], 1.0)
+
+
+def _ramps(last: Node) -> list[Node]:
+    """The ramps that end in ``last``, the first first; none if another node stands among them."""
     ramps = [last]
     while ramps[0].inputs["Before"].is_linked:
         ramps.insert(0, ramps[0].inputs["Before"].links[0].from_node)
         if not _is_ramp(ramps[0]):
             return []
+    return ramps
+
+
+def _of_ramps(last: Node) -> list[Key]:
+    ramps = _ramps(last)
+    if not ramps:
+        return []
     course = [(ramps[0].inputs["Start"].default_value, _plain(ramps[0].inputs["Before"].default_value))]
     for node in ramps:
         start, after = node.inputs["Start"].default_value, _plain(node.inputs["After"].default_value)

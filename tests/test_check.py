@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from vgroove.addon import check, gonio, headless
+from vgroove.addon import check, check_glass, check_hybrid, check_oren_nayar, gonio, headless
 from vgroove.addon.reference import Schlick, cook_torrance
 from vgroove.nodegroups import beckmann_d, osl_script, random_numbers, vgroove_g
 from vgroove.nodegroups._tree import Value
@@ -34,6 +34,30 @@ def test_the_limit_for_noisy_rows_counts_them_all():
     """Sidak's correction is for as many rows as the plan has."""
     noisy = [item for item in check.plan() if item[0] in {check.furnace_row, check.sun_row}]
     assert len(noisy) == check.NOISY_ROWS
+
+
+def test_a_row_is_judged_by_the_size_of_its_own_plan():
+    """3.3 standard errors are beyond 1 % for 4 rows (3.02), not for 32 (3.60)."""
+    ones = np.ones((32, 32, 3))
+    view = check.View(gonio.Geometry(), ones + 3.3 / 32, ones, variance=ones)
+    assert abs(check.Row("", check.SETUPS[0], "", 0.3, [view]).scale_z - 3.3) < 0.01
+    assert check.Row("", check.SETUPS[0], "", 0.3, [view]).passed
+    assert not check.Row("", check.SETUPS[0], "", 0.3, [view], noisy_rows=4).passed
+
+
+@pytest.mark.parametrize(
+    ("module", "judged"),
+    [
+        (check_glass, (check_glass.furnace_row, (check.SETUPS[0], 1.5, 0.3, "all"))),
+        (check_oren_nayar, (check_oren_nayar.furnace_row, (check.SETUPS[0], "full", 0.3))),
+        (check_hybrid, (check_hybrid.furnace_row, (check.SETUPS[0], "schlick", 0.3))),
+    ],
+    ids=lambda one: getattr(one, "__name__", ""),
+)
+def test_rows_of_other_plans_know_theirs(instrument, module, judged):
+    """One of each: the other tests of these plans hold what it resolves to the same number."""
+    measure, arguments = judged
+    assert measure(*arguments).noisy_rows == module.NOISY_ROWS
 
 
 @pytest.mark.parametrize("m", check.MIRROR_SLOPES)

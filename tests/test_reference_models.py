@@ -444,6 +444,24 @@ def test_coupled_sum_takes_a_slope_for_each_direction():
         np.testing.assert_allclose(got[index], one.evaluate(UP, wo[index]), rtol=1e-12)
 
 
+class Brushed:
+    """A part that looks different from each azimuth; it reflects x^2 / 2 + 0.1 of what is seen from (x, y, z)."""
+
+    def evaluate(self, wi, wo):
+        return self.directional_albedo(wo) / np.pi
+
+    def directional_albedo(self, wo):
+        return np.repeat(0.5 * np.square(np.asarray(wo)[..., :1]) + 0.1, 3, axis=-1)
+
+
+def test_coupled_sum_knows_that_a_part_may_differ_by_azimuth():
+    """What an anisotropic part leaves depends on the whole direction, asked for in whatever order."""
+    views = np.array([[0.6, 0.0, 0.8], [0.0, 0.6, 0.8]])
+    mixed = Sum(Lambert(0.5), Brushed(), 1.0, 0.5, coupled=True)
+    seen = Brushed().directional_albedo(views)
+    np.testing.assert_allclose(mixed.directional_albedo(views), 0.5 * (1.0 - 0.5 * seen) + 0.5 * seen, rtol=1e-14)
+
+
 def test_coupled_sum_asks_each_view_once(monkeypatch):
     """One quadrature a cosine, whatever the azimuths, the lights and the calls."""
     rough, asked = CookTorrance(0.3, Schlick(0.5)), []

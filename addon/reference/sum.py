@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .cook_torrance import Smooth, as_samples
+from .cook_torrance import CookTorrance, Smooth, as_samples
 from .directions import as_directions, as_range
 
 if TYPE_CHECKING:
@@ -80,9 +80,12 @@ class Sum:
         return self.d * (1.0 - self.s * self._specular_albedo(wo)) if self.coupled else self.d
 
     def _specular_albedo(self, wo: ArrayLike) -> Floats:
-        """E_s of each direction, a quadrature for each new cosine; a slope for each direction rules that out."""
+        """E_s of each direction: a quadrature for each new cosine, where the part looks alike from all around.
+
+        A slope for each direction rules that out, and so may a model that nothing is known of.
+        """
         wo = as_directions(wo, "wo")
-        if np.ndim(getattr(self.specular, "m", 0.0)):
+        if not isinstance(self.specular, (CookTorrance, Smooth)) or np.ndim(getattr(self.specular, "m", 0.0)):
             return self.specular.directional_albedo(wo)
         cosines, index = np.unique(wo[..., 2], return_inverse=True)
         new = np.array([cosine for cosine in cosines.tolist() if cosine not in self._known])

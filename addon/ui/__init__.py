@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import follow, presets
+from .. import colour_update, follow, presets
 from . import course, operators, panels, preferences, properties, thumbnails, watch
 
 _registered = ExitStack()
@@ -24,6 +24,8 @@ def register() -> None:
         undo.callback(thumbnails.unregister)
         undo.callback(watch.unregister)
         watch.register()
+        colour_update.register()
+        undo.callback(colour_update.unregister)
         presets.set_user_folder(_user_folder())
         undo.callback(presets.set_user_folder, None)
         bpy.types.Scene.vgroove = bpy.props.PointerProperty(type=properties.VGrooveSettings)
