@@ -237,7 +237,7 @@ NOT_FILES = {
     "tty": lambda path: path.symlink_to("/dev/tty"),
     "loop": lambda path: path.symlink_to(path),
     "dangling": lambda path: path.symlink_to(f"{path}.none"),
-    "large": lambda path: (path.touch(), os.truncate(path, 2**28)),
+    "large": lambda path: (path.touch(), os.truncate(path, 2**22)),
     "bytes": lambda path: path.write_bytes(b"\xff\xfe\x00"),
 }
 

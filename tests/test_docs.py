@@ -48,7 +48,10 @@ GIVEN = {
         "within 0.5 %": "the bound that hybrid is built with",
         "from 0.1 to 5 %": "the bounds that there are",
     },
-    "docs/batch.md": {"noise of 2 %": "an example of what is asked for"},
+    "docs/batch.md": {
+        "noise of 2 %": "an example of what is asked for",
+        "at most 1 MB": "a limit of batch.job",
+    },
     "docs/glass.md": {"R + T = 1 to 1e-4": "a bar of tests/test_glass.py"},
     "docs/oren_nayar.md": {
         "0.1 to 5 %": "the bounds that there are",
