@@ -62,7 +62,7 @@ FAINT = 0.25  # of the native picture's mean: differences of less are not seen
 FACTOR = 2.0  # a pixel is black below its darkest native neighbour over this, bright above the brightest times this
 CHANCE = 6.0  # standard errors; the noise of 3 x 3 pixels by two seeds is known to 24 %, which leaves 4.5 at least
 MEAN_NOISE = 0.8  # of |x| of a normal variable, in its standard deviations; where tails are heavier it is less
-BEACON = 1e6  # radiance that tells in which pixels the material is seen
+BEACON = 2e4  # radiance that tells in which pixels the material is seen; half floats, as in EEVEE, end at 65504
 TIMING_SIZE, TIMING_SAMPLES, ROUNDS = 48, 128, 5
 SLOWER = 1.3  # times as long as the native material takes, at most
 

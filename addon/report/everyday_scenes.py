@@ -350,6 +350,25 @@ def plane(shown: Scene) -> None:
     map_of(shown, "courtyard")
 
 
+@everyday("a text object")
+def text(shown: Scene) -> None:
+    bpy.data.objects.remove(shown.objects[NAME])
+    letters = bpy.data.curves.new("Text", "FONT")
+    letters.body, letters.extrude, letters.bevel_depth, letters.size = "Ag", 0.2, 0.05, 1.7
+    letters.align_x = letters.align_y = "CENTER"
+    add(shown, NAME, letters, turned=(60.0, 0.0, 45.0))
+    light(shown, "AREA", 300.0, size=2.0)
+
+
+@everyday("modifiers: subdivision and a thickness", "copper", "plaster")
+def modifiers(shown: Scene) -> None:
+    item = shown.objects[NAME]
+    item.data = scene.ball_mesh(8, 4)
+    item.modifiers.new("Subdivision", "SUBSURF").render_levels = 3
+    item.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.05
+    light(shown, "POINT", 800.0)
+
+
 @everyday("several materials on one mesh")
 def several_slots(shown: Scene) -> None:
     item = shown.objects[NAME]
@@ -583,6 +602,7 @@ def osl_on(shown: Scene) -> None:
 @everyday("EEVEE", "copper", "plaster", slow=True, says=("engine is not Cycles",))
 def eevee(shown: Scene) -> None:
     shown.render.engine = "BLENDER_EEVEE" if MODERN else "BLENDER_EEVEE_NEXT"
+    shown.eevee.taa_render_samples = 8
     light(shown, "SUN", 3.0)
 
 
