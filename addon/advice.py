@@ -82,7 +82,7 @@ def problems(
         found += _picture_problems(known.scene, estimator, model, bound)
     if estimator in {*NATIVE, "corrected", "hybrid"} and m > 1.0:
         but = " except at bound lights" if estimator == "corrected" else ""
-        text = f"{name_of(estimator)} ends at m = 1{but}, to which Cycles clamps; m is {m:g}. Choose Reference"
+        text = f"Cycles' own lobes end at m = 1, which is shown in place of m = {m:g}{but}; Reference has no such end"
         found.append(Problem("slope", text))
     return found
 

@@ -12,7 +12,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from mathutils import Vector
@@ -257,8 +257,11 @@ def _instances(item: Object, scene: Scene) -> Iterator[Object]:
             yield how.instance_object
         elif how.render_type == "COLLECTION" and how.instance_collection is not None:
             yield from _inside(how.instance_collection)
-    if any(one.type == "NODES" and one.show_render and one.node_group for one in item.modifiers):
-        yield from _of_geometry_nodes(item, scene)
+    trees = [one for one in item.modifiers if one.type == "NODES" and one.show_render and one.node_group]
+    if trees and all(one.show_viewport for one in trees) and (evaluated := _evaluated(item, scene)) is not None:
+        yield from _referred_to(evaluated)
+    else:  # Blender evaluates what the viewport shows: of the rest, what the nodes name
+        yield from (found for one in trees for found in _named(one.node_group, _given(one)))
 
 
 def _inside(collection: Collection) -> Iterator[Object]:
@@ -268,12 +271,15 @@ def _inside(collection: Collection) -> Iterator[Object]:
             yield from _inside(child)
 
 
-def _of_geometry_nodes(item: Object, scene: Scene) -> Iterator[Object]:
-    """By the instances' references, of which there are few however many instances there are."""
+def _evaluated(item: Object, scene: Scene) -> Object | None:
     layer = next((one for one in scene.view_layers if item.name in one.objects), None)
-    if layer is None or layer.depsgraph is None:
-        return
-    waiting = [item.evaluated_get(layer.depsgraph).evaluated_geometry()]
+    found = item.evaluated_get(layer.depsgraph) if layer is not None and layer.depsgraph is not None else item
+    return found if found.is_evaluated else None
+
+
+def _referred_to(evaluated: Object) -> Iterator[Object]:
+    """By the instances' references, of which there are few however many instances there are."""
+    waiting = [evaluated.evaluated_geometry()]
     while waiting:
         for one in waiting.pop().instance_references():
             if isinstance(one, bpy.types.Object):
@@ -282,6 +288,26 @@ def _of_geometry_nodes(item: Object, scene: Scene) -> Iterator[Object]:
                 yield from _inside(one.original)
             elif isinstance(one, bpy.types.GeometrySet):
                 waiting.append(one)
+
+
+def _given(modifier: Any) -> list[object]:
+    """What a Geometry Nodes modifier gives to its group. 4.5 keeps it in custom properties; goes with 4.5 LTS."""
+    if bpy.app.version < (5, 0, 0):
+        return list(modifier.values())
+    inputs = modifier.properties.inputs
+    sockets = (getattr(inputs, one.identifier) for one in inputs.bl_rna.properties)
+    return [getattr(one, "value", None) for one in sockets]
+
+
+def _named(tree: NodeTree, found: list[object]) -> Iterator[Object]:
+    """Objects and collections that are chosen in nodes, or given to them."""
+    found += [socket.default_value for node in tree.nodes for socket in node.inputs
+              if socket.type in {"OBJECT", "COLLECTION"} and not socket.is_linked]  # fmt: skip
+    for one in found:
+        if isinstance(one, bpy.types.Object):
+            yield one
+        elif isinstance(one, bpy.types.Collection):
+            yield from _inside(one)
 
 
 # What it is

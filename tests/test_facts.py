@@ -89,21 +89,36 @@ def test_lights_of_particles_are_known(stage, blender):
     assert lights(stage) == {("Sun", 'the instance "Card"')}
 
 
+@pytest.mark.parametrize("given", [False, True])
 @pytest.mark.parametrize("node", ["Object", "Collection"])
-def test_lights_of_geometry_nodes_are_known(stage, blender, node):
-    """By what the evaluated geometry refers to."""
+def test_lights_of_geometry_nodes_are_known(stage, blender, node, given):
+    """By what the evaluated geometry refers to; where the viewport hides it, by what is chosen in nodes or given."""
     card, sun = add_card(stage, "BsdfDiffuse"), add_light(stage, "Sun")
     rig = put_away(stage, sun)
     tree = blender.data.node_groups.new("Rig", "GeometryNodeTree")
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     info, out = tree.nodes.new(f"GeometryNode{node}Info"), tree.nodes.new("NodeGroupOutput")
-    info.inputs[node].default_value = sun if node == "Object" else rig
+    chosen = sun if node == "Object" else rig
+    if given:
+        socket = tree.interface.new_socket(node, in_out="INPUT", socket_type=f"NodeSocket{node}")
+        tree.links.new(tree.nodes.new("NodeGroupInput").outputs[0], info.inputs[node])
+    else:
+        info.inputs[node].default_value = chosen
     if node == "Object":
         info.inputs["As Instance"].default_value = True
     tree.links.new(info.outputs["Instances" if node == "Collection" else "Geometry"], out.inputs[0])
     modifier = card.modifiers.new("Rig", "NODES")
     modifier.node_group = tree
-    assert lights(stage) == {("Sun", 'the instance "Card"')}
+    if given and blender.app.version < (5, 0, 0):
+        modifier[socket.identifier] = chosen
+    elif given:
+        getattr(modifier.properties.inputs, socket.identifier).value = chosen
+    found = {("Sun", 'the instance "Card"')}
+    assert lights(stage) == found
+    card.hide_viewport = True  # but not from the render
+    assert lights(stage) == found
+    card.hide_viewport, modifier.show_viewport = False, False
+    assert lights(stage) == found
     modifier.show_render = False
     assert lights(stage) == set()
 

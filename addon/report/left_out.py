@@ -6,7 +6,7 @@ instructions, processor time and what pictures of the same seed differ by; then,
 put back and weighted with 0 by data: how many nodes that is, how the picture differs, and what it costs.
 
     {"preset": "lecture/copper", "seed": 0,
-     "setups": [{"scene": "lamps", "backend": "nodes", "estimator": "corrected",  # what Automatic picks, or mirror
+     "setups": [{"scene": "lamps", "backend": "nodes", "estimator": "fit",  # what Automatic picks, or mirror
                  "nodes": {"built": 1877, "universal": 11992}, "instructions": {"built": 0, "universal": 0},
                  "first": {"built": 0.2, "universal": 3.1, "ratio": 15.5, "rounds": [...]},
                  "render": {"built": 0.6, "universal": 1.1, "ratio": 1.8, "rounds": [...]},

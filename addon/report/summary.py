@@ -111,8 +111,8 @@ LEFT_OUT = (
     "The universal material (one for each estimator and backend, which are no inputs), which shows presets by its "
     "inputs alone (all but absorption, which it leaves to the one as built), against each as it is built. Time and "
     "first (a render that compiles): universal over as built. Nodes, instructions of OSL, MB that it takes beside "
-    "Blender: as built / universal. By the estimator that Automatic picks, and twice by mirror. Picture: by the same "
-    "seed; of rough glass by mirror, which draws other facets behind its first, by its mean."
+    "Blender: as built / universal. By the estimator that its row names. Picture: by the same seed; "
+    "of rough glass by mirror, which draws other facets behind its first, by its mean."
 )
 LEFT_OUT_COLUMNS = (
     "case", "preset", "scene", "estimator", "run as", "time", "spread", "first", "nodes", "instructions", "MB",
