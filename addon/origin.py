@@ -69,7 +69,7 @@ def write(material: Material, record: Record) -> None:
     material[KEY] = record.dumps()
 
 
-@lru_cache(maxsize=512)  # the panel reads it with every redraw
+@lru_cache(maxsize=4096)  # the panel reads it with every redraw
 def _read(text: str, state: str, course: str, label: str) -> Record | None:
     try:
         kept = migrate(json.loads(text), state, json.loads(course or "null"), label)
