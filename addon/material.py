@@ -208,7 +208,8 @@ def _build(preset: Preset, choice: Choice, into: Material | None) -> Material:
         shown.target, shown.location = "EEVEE", (300, -160)
         tree.links.new(node.outputs[eevee.OUTPUT], shown.inputs["Surface"])
     _show_in_solid_view(material, preset)
-    material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT
+    upright = UPRIGHT | {"fit"} if preset.model == "oren_nayar" else UPRIGHT
+    material.cycles.use_bump_map_correction = choice.estimator in upright
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
     return material
 
@@ -458,15 +459,17 @@ def _group(preset: Preset, choice: Choice) -> ShaderNodeTree:
         label += f" {choice.estimator.title()}, {preset.lobes} lobe{'s' * (preset.lobes > 1)}"
         build_group = module.build
         base, lobe, *_ = (_group(of, choice) for of in preset.parts().values())  # the lobes' groups are one
-        arguments = {"base": base, "lobe": lobe, "lobes": preset.lobes}
+        arguments = {"base": base, "lobe": lobe, "lobes": preset.lobes, "averaged": choice.estimator == "fit"}
     elif preset.model == "translucent":
         label += f" {choice.estimator.title()}"
         build_group = module.build
         arguments = {"coat": _group(preset.parts()["specular"], choice), "kind": preset.kind}
+        arguments["averaged"] = choice.estimator not in UPRIGHT
     elif preset.model == "sum":
         label += f" {choice.estimator.title()}"
         build_group = module.build
         arguments = {part: _group(of, choice) for part, of in preset.parts().items()}
+        arguments["averaged"] = choice.estimator == "fit"
         if preset.coupled:
             label += " Coupled"
             arguments["coupled"] = preset.kind
