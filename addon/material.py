@@ -216,7 +216,7 @@ def fill(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTr
         _absorb(tree, output, numbers_of(preset)["absorption"])
     show_in_eevee(tree, node, output)
     show_in_solid_view(material, preset)
-    set_up(material, choice)
+    set_up(material, preset, choice)
 
 
 def add_model(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree) -> Node:
@@ -251,9 +251,10 @@ def bind_lights(material: Material, node: Node, choice: Choice) -> None:
         _bind(material.node_tree, node, index, one, choice)
 
 
-def set_up(material: Material, choice: Choice) -> None:
+def set_up(material: Material, preset: Preset, choice: Choice) -> None:
     """The material's own settings that the estimator needs."""
-    material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT
+    upright = UPRIGHT | {"fit"} if preset.model == "oren_nayar" else UPRIGHT
+    material.cycles.use_bump_map_correction = choice.estimator in upright
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
 
 
@@ -572,15 +573,17 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
         label += f" {choice.estimator.title()}, {preset.lobes} lobe{'s' * (preset.lobes > 1)}"
         build_group = module.build
         base, lobe, *_ = (group_of(of, choice) for of in preset.parts().values())  # the lobes' groups are one
-        arguments = {"base": base, "lobe": lobe, "lobes": preset.lobes}
+        arguments = {"base": base, "lobe": lobe, "lobes": preset.lobes, "averaged": choice.estimator == "fit"}
     elif preset.model == "translucent":
         label += f" {choice.estimator.title()}"
         build_group = module.build
         arguments = {"coat": group_of(preset.parts()["specular"], choice), "kind": preset.kind}
+        arguments["averaged"] = choice.estimator not in UPRIGHT
     elif preset.model == "sum":
         label += f" {choice.estimator.title()}"
         build_group = module.build
         arguments = {part: group_of(of, choice) for part, of in preset.parts().items()}
+        arguments["averaged"] = choice.estimator == "fit"
         if preset.coupled:
             label += " Coupled"
             arguments["coupled"] = preset.kind

@@ -135,7 +135,7 @@ def _exchange(made: Material, preset: Preset, choice: Choice) -> list[str]:
             inputs["Bound"].default_value = choice.bound
         material.bind_lights(made, node, choice)
         lost += _show(made, node)
-    material.set_up(made, choice)
+    material.set_up(made, preset, choice)
     return lost
 
 

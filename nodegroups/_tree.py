@@ -85,26 +85,31 @@ class Tree:
 
     # Interface
 
+    # ``held``: what is linked is held to the range, too, which a socket does for typed numbers only. It costs nothing
+    # where nothing is linked, as Cycles folds constants.
+
     def input_float(
-        self, name: str, default: float, *, low: float, high: float, tip: str, subtype: str = "NONE"
+        self, name: str, default: float, *, low: float, high: float, tip: str, subtype: str = "NONE", held: bool = False
     ) -> Value:
         item = self._socket(name, "INPUT", "NodeSocketFloat", tip)
         item.subtype = subtype
         item.min_value, item.max_value, item.default_value = low, high, default
-        return self._from_input()
+        return hold(self._from_input(), low, high) if held else self._from_input()
 
-    def input_color(self, name: str, default: tuple[float, float, float], *, tip: str) -> Value:
+    def input_color(
+        self, name: str, default: tuple[float, float, float], *, tip: str, high: float = 1.0, held: bool = False
+    ) -> Value:
         item = self._socket(name, "INPUT", "NodeSocketColor", tip)
         item.default_value = (*default, 1.0)
-        return self._from_input()
+        return hold(self._from_input(), 0.0, high) if held else self._from_input()
 
     def input_vector(
         self, name: str, default: tuple[float, float, float] = (0, 0, 0), *, low: float = -1e30, high: float = 1e30,
-        tip: str, hide_value: bool = False,
+        tip: str, hide_value: bool = False, held: bool = False,
     ) -> Value:  # fmt: skip
         item = self._socket(name, "INPUT", "NodeSocketVector", tip)
         item.min_value, item.max_value, item.default_value, item.hide_value = low, high, default, hide_value
-        return self._from_input()
+        return hold(self._from_input(), low, high) if held else self._from_input()
 
     def inputs_of(self, group: bpy.types.ShaderNodeTree, prefix: str = "", own: Container[str] = ()) -> None:
         """Inputs like those of another group, panels too, but for names that there are already.
@@ -289,9 +294,21 @@ def clamp(a: Value) -> Value:
     return minimum(maximum(a, 0.0), 1.0)
 
 
+def hold(a: Value, low: float, high: float) -> Value:
+    """``a`` held within low..high; a number that is not one becomes ``low``."""
+    if a.is_vector:
+        return minimum(maximum(a, low), high)
+    return Value(a.tree, a.tree.node("ShaderNodeClamp", a, low, high).outputs[0])
+
+
 def less(a: Value, b: Number) -> Value:
     """1 where a < b, else 0."""
     return a.tree.math("LESS_THAN", a, b)
+
+
+def greater(a: Value, b: Number) -> Value:
+    """1 where a > b, else 0."""
+    return a.tree.math("GREATER_THAN", a, b)
 
 
 def select(condition: Value, yes: Number, no: Number) -> Value:

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Absorption"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:
     tip = "Of red, green and blue light, in 1/m: after d metres exp(-a d) of it is left"
-    a = tree.input_color("Absorption", (0.0, 0.0, 0.0), tip=tip)
+    a = tree.input_color("Absorption", (0.0, 0.0, 0.0), tip=tip, high=1e5, held=True)
     with tree.frame("a = (1 - Color) Density"):
         r, g, b = a.xyz
         density = maximum(maximum(maximum(r, g), b), 1e-6)

@@ -9,27 +9,33 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .shading_normal import typical_smoothing
+
 if TYPE_CHECKING:
     import bpy
 
     from ._tree import Tree
 
 NAME = "VGroove Car Paint"
-REVISION = 3
+REVISION = 4
 OWN = {"F0", "F82 Tint", "Slope m"}  # inputs that each lobe has for itself
 
 
-def build(tree: Tree, base: bpy.types.ShaderNodeTree, lobe: bpy.types.ShaderNodeTree, lobes: int) -> None:
-    """``base`` and ``lobe``: the groups of the parts, by the same estimator and backend."""
+def build(
+    tree: Tree, base: bpy.types.ShaderNodeTree, lobe: bpy.types.ShaderNodeTree, lobes: int, *, averaged: bool = False
+) -> None:
+    """``base`` and ``lobe``: the groups of the parts, by the same estimator and backend; ``averaged``: as of sums."""
     tree.inputs_of(base)
     shaders = [nested(tree, base, "").outputs[0]]
+    if averaged:
+        shaders[0] = tree.weighted(shaders[0], typical_smoothing(tree, tree.given("Normal")))
     for k in range(1, lobes + 1):
         prefix = f"Lobe {k} "
         with tree.panel(f"Lobe {k}"):
             tip = (
                 "Share of this lobe; with the brightest of Base Color all at most 1, or more light leaves than arrives"
             )
-            s = tree.input_float(f"{prefix}Specular", 0.1, low=0.0, high=1.0, subtype="FACTOR", tip=tip)
+            s = tree.input_float(f"{prefix}Specular", 0.1, low=0.0, high=1.0, subtype="FACTOR", tip=tip, held=True)
             tree.inputs_of(lobe, prefix, OWN)
         with tree.frame(f"Lobe {k}"):
             shaders.append(tree.weighted(nested(tree, lobe, prefix).outputs[0], s))

@@ -26,9 +26,8 @@ class Inputs:
 def interface(tree: Tree, kind: str, *, m_high: float) -> Inputs:
     """The Fresnel term's own; Slope m; Normal. The same for every estimator and backend."""
     parameters = fresnel.interface(tree, kind)
-    m = tree.input_float(
-        "Slope m", 0.3, low=1e-4, high=m_high, tip="RMS slope of the facets; Blender's Roughness is its square root"
-    )
+    tip = "RMS slope of the facets; Blender's Roughness is its square root"
+    m = tree.input_float("Slope m", 0.3, low=1e-4, high=m_high, tip=tip, held=True)
     return Inputs(parameters, m, shading_normal.interface(tree))
 
 

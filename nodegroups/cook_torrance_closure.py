@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket
 
 NAME = "VGroove Cook-Torrance Closure"
-REVISION = 1
+REVISION = 2
 EXACT_CONDUCTOR = (5, 2, 0)  # earlier Physical Conductors approximate: up to 0.8 % of the peak, half of it at k = 0
 
 

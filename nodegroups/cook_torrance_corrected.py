@@ -14,19 +14,19 @@ from . import cook_torrance_direct as direct
 from . import cook_torrance_fit as fit
 from .fit_mixture import fit_mixture
 from .lamp_beams import beam_interfaces
-from .shading_normal import shading_normal
+from .shading_normal import specular_normal
 
 if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Cook-Torrance Corrected"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=10.0)
     beams = beam_interfaces(tree, lamps)
-    N = shading_normal(tree, inputs.normal)
+    N = specular_normal(tree, inputs.normal)
     shaders = [fit.shader(tree, kind, inputs)]
     if beams:
         shaders.append(direct.emission(tree, kind, inputs, beams, lambda wi, h: fit_mixture(tree, wi, h, N, inputs.m)))

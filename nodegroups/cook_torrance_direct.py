@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import beckmann_d, cook_torrance, ensure, fresnel, vgroove_g
-from ._tree import Number, Tree, Value, dot, length, less, maximum, normalize
+from ._tree import Number, Tree, Value, dot, greater, length, maximum, normalize
 from .lamp_beams import Beams, beam_interfaces
-from .shading_normal import shading_normal
+from .shading_normal import lit, specular_normal
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
@@ -46,7 +46,7 @@ def emission(
     ``carried``: what other closures send of it already, f cos with F = 1 from (wi, h); the emission is then what they
     lack, negative where they send too much.
     """
-    N = shading_normal(tree, inputs.normal)
+    N = specular_normal(tree, inputs.normal)
     radiance = sum(_radiance(tree, kind, inputs, N, wi, irradiance, carried) for wi, irradiance in beams)
     return tree.node("ShaderNodeEmission", radiance if beams else (0.0, 0.0, 0.0)).outputs["Emission"]
 
@@ -72,7 +72,7 @@ def _radiance(
         h = normalize(both)
         nh, vh = dot(N, h), 0.5 * length(both)  # dot(wo, h) would lose a hundredfold in float32 at grazing angles
         no, ni = dot(N, wo), dot(N, wi)
-        lit = less(0.0 * ni, ni) * less(0.0 * no, no)
+        seen = greater(ni, 0.0) * greater(no, 0.0) * lit(tree, inputs.normal, wi)
     with tree.frame("D G / (4 n.v)"):
         G = tree.group(
             ensure(vgroove_g.NAME, vgroove_g.REVISION, vgroove_g.build), **{"n.h": nh, "n.v": no, "n.l": ni, "v.h": vh}
@@ -82,7 +82,7 @@ def _radiance(
         f_cos = f_cos - carried(wi, h)
     with tree.frame("Times F"):
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
-        return irradiance * F * (f_cos * lit)
+        return irradiance * F * (f_cos * seen)
 
 
 def density(tree: Tree, h: Value, N: Value, m: Value) -> Value:

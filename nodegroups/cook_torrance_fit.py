@@ -18,7 +18,7 @@ from .cook_torrance_table import by_lobe, count, shared
 from .cook_torrance_table import share as of_share
 from .polynomial import chebyshev, series2
 from .polynomial import share as share_by_table
-from .shading_normal import shading_normal
+from .shading_normal import raised
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ._tree import Number
 
 NAME = "VGroove Cook-Torrance Fit"
-REVISION = 5
+REVISION = 6
 LOBES_NAME = "VGroove Fit Lobes"
 
 
@@ -44,16 +44,20 @@ def build_osl(tree: Tree, kind: str) -> None:
 
 
 def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
-    """The mixture, one Metallic BSDF a lobe, which makes the lobe's normal a unit vector itself."""
-    N = shading_normal(tree, inputs.normal)
-    mixture = lobes(tree, inputs.m, N)
+    """The mixture about the normal, raised where it has to be."""
+    return raised(tree, inputs.normal, lambda N: mixture(tree, kind, inputs, N))
+
+
+def mixture(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value) -> NodeSocket:
+    """One Metallic BSDF a lobe, which makes the lobe's normal a unit vector itself."""
+    of = lobes(tree, inputs.m, N)
     with tree.frame("Roughness^4 = across^2 aspect: Metallic BSDF's slopes are roughness^2 times aspect^(+-1/2)"):
-        fourth = scale(mixture.aspect, mixture.across**2).xyz
+        fourth = scale(of.aspect, of.across**2).xyz
     shaders = []
-    for lobe, power in zip(mixture.lobes, fourth, strict=False):
+    for lobe, power in zip(of.lobes, fourth, strict=False):
         with tree.frame("Lobe"):
             roughness = sqrt(sqrt(power))
-            native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, lobe.anisotropy, mixture.tangent)
+            native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, lobe.anisotropy, of.tangent)
             shaders.append(tree.weighted(native, lobe.weight))  # which holds the weight to 0..1
     return tree.add_shaders(shaders)
 

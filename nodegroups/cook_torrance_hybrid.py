@@ -17,20 +17,20 @@ from ._tree import maximum
 from .fit_mixture import fit_mixture
 from .hybrid import bound_input
 from .lamp_beams import beam_interfaces
-from .shading_normal import shading_normal
+from .shading_normal import specular_normal
 
 if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Cook-Torrance Hybrid"
-REVISION = 3
+REVISION = 4
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=1.0)  # Cycles clamps alpha to 1
     bound = bound_input(tree)
     beams = beam_interfaces(tree, lamps)
-    N = shading_normal(tree, inputs.normal)
+    N = specular_normal(tree, inputs.normal)
     c = fit.share(tree, inputs.m, N, bound)
 
     def carried(wi: Value, h: Value) -> Value:

@@ -14,7 +14,7 @@ from . import cook_torrance, fresnel
 from . import cook_torrance_direct as direct
 from ._tree import Tree, clamp, dot, maximum, minimum, scale, vector
 from .lamp_beams import beam_interfaces
-from .shading_normal import shading_normal
+from .shading_normal import specular_normal
 from .visible_facet import visible_facet
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._tree import Value
 
 NAME = "VGroove Cook-Torrance Mirror"
-REVISION = 3
+REVISION = 4
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
@@ -61,7 +61,7 @@ def facet(
 
     ``rest``: of that, the share which no other closure carries.
     """
-    N = shading_normal(tree, inputs.normal)
+    N = specular_normal(tree, inputs.normal)
     wo = tree.geometry("Incoming")
     h = visible_facet(tree, N, wo, inputs.m)
     with tree.frame("Weight F G2 / G1"):

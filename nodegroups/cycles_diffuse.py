@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 from ..addon.reference.oren_nayar_fit import LOST
 from . import ensure
-from ._tree import Tree, Value, dot, length, less, maximum, scale, select
+from ._tree import Tree, Value, dot, greater, length, less, maximum, minimum, scale, select
 from .oren_nayar_table import MEAN
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 NAME = "VGroove Cycles Diffuse"
-REVISION = 1
+REVISION = 2
 A = 1.0 / (pi + LOST)
 
 
@@ -29,11 +29,11 @@ def build(tree: Tree) -> None:
     )
     color = tree.input_color("Color", (0.8, 0.8, 0.8), tip="Color of the closure")
     light, view = dot(N, wi), dot(N, wo)
-    lit = less(0.0 * light, light) * less(0.0 * view, view)
+    lit = greater(light, 0.0)
     ni, no = maximum(light, 1e-7), maximum(view, 1e-7)
     across_i, across_o = wi - scale(N, light), wo - scale(N, view)
     with tree.frame("One bounce: A (1 + t)"):
-        s = dot(across_i, across_o)
+        s = dot(across_i, across_o) + light * minimum(view, 0.0)  # where a map turns N away, Cycles takes n.v as 0
         once = A + A * select(less(0.0 * s, s), s / maximum(ni, no), s)
     with tree.frame("More: what one bounce loses, from both sides"):
         lost = [1.0 - _albedo(cos, length(across)) for cos, across in ((ni, across_i), (no, across_o))]
@@ -54,5 +54,4 @@ def mixture(tree: Tree, colors: Sequence[Value], wi: Value, N: Value) -> Value:
     wo = tree.geometry("Incoming")
     node = tree.group(ensure(NAME, REVISION, build), To_Light=wi, To_Viewer=wo, N=N, Color=colors[1])
     with tree.frame("And Lambert"):
-        ni, no = dot(N, wi), dot(N, wo)
-        return Value(tree, node.outputs["f"]) + colors[0] * (less(0.0 * ni, ni) * less(0.0 * no, no) / pi)
+        return Value(tree, node.outputs["f"]) + colors[0] * (greater(dot(N, wi), 0.0) / pi)

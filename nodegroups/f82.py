@@ -9,13 +9,13 @@ from . import ensure, schlick
 from ._tree import Tree, Value, clamp, maximum
 
 NAME = "VGroove F82"
-REVISION = 1
+REVISION = 2
 
 
 def interface(tree: Tree) -> dict[str, Value]:
     """The artist's inputs, by the reference's parameter names."""
     tip = "Multiplies Schlick's formula at 82 degrees, near grazing; white leaves it as it is"
-    return {**schlick.interface(tree), "f82_tint": tree.input_color("F82 Tint", (1.0, 1.0, 1.0), tip=tip)}
+    return {**schlick.interface(tree), "f82_tint": tree.input_color("F82 Tint", (1.0, 1.0, 1.0), tip=tip, held=True)}
 
 
 def build(tree: Tree) -> None:

@@ -7,14 +7,17 @@ Nodes have no complex numbers: with a the real part of g, A = |g|^2, the square 
 from ._tree import Tree, Value, clamp, sqrt, vector
 
 NAME = "VGroove Fresnel Conductor"
-REVISION = 1
+REVISION = 2
 
 
 def interface(tree: Tree) -> dict[str, Value]:
     """The artist's inputs, by the reference's parameter names."""
     return {
-        "n": tree.input_vector("n", (0.27, 0.68, 1.32), low=0.0, high=20.0, tip="Refractive index for R, G and B"),
-        "k": tree.input_vector("k", (3.61, 2.62, 2.29), low=0.0, high=20.0, tip="Extinction for R, G and B"),
+        name: tree.input_vector(name, default, low=0.0, high=20.0, tip=f"{what} for R, G and B", held=True)
+        for name, default, what in (
+            ("n", (0.27, 0.68, 1.32), "Refractive index"),
+            ("k", (3.61, 2.62, 2.29), "Extinction"),
+        )
     }
 
 

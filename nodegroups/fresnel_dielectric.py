@@ -4,12 +4,13 @@
 from ._tree import Tree, Value, clamp, maximum, sqrt
 
 NAME = "VGroove Fresnel Dielectric"
-REVISION = 1
+REVISION = 2
 
 
 def interface(tree: Tree) -> dict[str, Value]:
     """The artist's inputs, by the reference's parameter names."""
-    return {"eta": tree.input_float("IOR", 1.5, low=0.1, high=10.0, tip="Refractive index, inside over outside")}
+    tip = "Refractive index, inside over outside"
+    return {"eta": tree.input_float("IOR", 1.5, low=0.1, high=10.0, tip=tip, held=True)}
 
 
 def build(tree: Tree) -> None:

@@ -41,17 +41,16 @@ class RoughInputs(Inputs):
 def smooth_inputs(tree: Tree) -> Inputs:
     """IOR, Tint and Normal. The same for every estimator and backend."""
     eta = fresnel.interface(tree, "dielectric")["eta"]
-    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=TINT_TIP)
+    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=TINT_TIP, held=True)
     return Inputs(eta, tint, shading_normal.interface(tree))
 
 
 def rough_inputs(tree: Tree, *, m_high: float, tint_tip: str = TINT_TIP) -> RoughInputs:
     """IOR, Slope m, Tint and Normal. The same for both backends."""
     eta = fresnel.interface(tree, "dielectric")["eta"]
-    m = tree.input_float(
-        "Slope m", 0.1, low=1e-4, high=m_high, tip="RMS slope of the facets; Blender's Roughness is its square root"
-    )
-    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=tint_tip)
+    tip = "RMS slope of the facets; Blender's Roughness is its square root"
+    m = tree.input_float("Slope m", 0.1, low=1e-4, high=m_high, tip=tip, held=True)
+    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=tint_tip, held=True)
     return RoughInputs(eta, tint, shading_normal.interface(tree), m)
 
 
@@ -81,7 +80,7 @@ def split(tree: Tree, h: Value, R: Value, T: Value, inputs: Inputs, *, thin: boo
 
 def smooth_interface(tree: Tree, inputs: Inputs, *, thin: bool) -> NodeSocket:
     """m = 0: F(n.v) and 1 - F(n.v), exact and without random numbers."""
-    N = shading_normal.shading_normal(tree, inputs.normal)
+    N = shading_normal.specular_normal(tree, inputs.normal)
     eta = inputs.eta if thin else index_ahead(tree, inputs.eta)
     F = reflectance(tree, clamp(dot(N, tree.geometry("Incoming"))), eta, thin=thin)
     return split(tree, N, F, 1.0 - F, inputs, thin=thin)

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 from ..addon.reference.fresnel import F82_COSINE
 from . import glass
 from ._tree import Tree, clamp, dot, sqrt, vector
-from .shading_normal import shading_normal
+from .shading_normal import specular_normal
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Glass Closure"
-REVISION = 1
+REVISION = 2
 M_HIGH = 1.0  # Cycles clamps alpha to it
 # Blender's Glass BSDF has one colour for both lobes; only a smooth interface, a sheet and OSL keep them apart.
 TINT_TIP = "Multiplies what passes; on rough glass as nodes also what is reflected"
@@ -56,7 +56,7 @@ def _sheet(tree: Tree, inputs: glass.RoughInputs) -> NodeSocket:
     tree.connect(vector(tint, tint, tint), metallic.inputs["Edge Tint"])
     tree.connect(sqrt(inputs.m), metallic.inputs["Roughness"])
     tree.connect(inputs.normal, metallic.inputs["Normal"])
-    N = shading_normal(tree, inputs.normal)
+    N = specular_normal(tree, inputs.normal)
     T = 1.0 - glass.reflectance(tree, clamp(dot(N, tree.geometry("Incoming"))), inputs.eta, thin=True)
     straight = tree.node("ShaderNodeBsdfTransparent", inputs.tint * vector(T, T, T))
     return tree.add_shaders([metallic.outputs["BSDF"], straight.outputs["BSDF"]])

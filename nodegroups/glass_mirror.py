@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 from . import glass
 from ._tree import Tree, Value, clamp, dot, maximum, minimum, scale, sqrt
-from .shading_normal import shading_normal
+from .shading_normal import specular_normal
 from .visible_facet import visible_facet
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Glass Mirror"
-REVISION = 3
+REVISION = 4
 
 
 def build(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
@@ -37,7 +37,7 @@ def build_osl(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
 
 def facet(tree: Tree, inputs: glass.RoughInputs, *, thin: bool) -> NodeSocket:
     """A mirror and a refraction about one random facet."""
-    N = shading_normal(tree, inputs.normal)
+    N = specular_normal(tree, inputs.normal)
     wo = tree.geometry("Incoming")
     h = visible_facet(tree, N, wo, inputs.m)
     eta = inputs.eta if thin else glass.index_ahead(tree, inputs.eta)

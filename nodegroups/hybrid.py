@@ -13,4 +13,5 @@ if TYPE_CHECKING:
 
 def bound_input(tree: Tree) -> Value:
     tip = "How much of the reflected light may be wrong; less is noisier"
-    return tree.input_float("Bound", DEFAULT_BOUND, low=BOUNDS[0], high=BOUNDS[1], subtype="FACTOR", tip=tip)
+    low, high = BOUNDS
+    return tree.input_float("Bound", DEFAULT_BOUND, low=low, high=high, subtype="FACTOR", tip=tip, held=True)

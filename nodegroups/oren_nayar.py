@@ -12,13 +12,15 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import ensure, osl_script, shading_normal
-from ._tree import Tree, Value, absolute, dot, length, less, maximum, minimum, scale, select
+from ._tree import Tree, Value, absolute, dot, greater, length, less, maximum, minimum, scale, select
 
 if TYPE_CHECKING:
     from bpy.types import Node
 
+    from ._tree import Number
+
 NAME = "VGroove Oren-Nayar"
-REVISION = 1
+REVISION = 2
 KINDS = ("full", "qualitative")
 LABELS = {"full": "Full", "qualitative": "Qualitative"}
 
@@ -38,12 +40,12 @@ def interface(tree: Tree) -> Inputs:
 
 
 def _parameters(tree: Tree) -> tuple[Value, Value]:
-    albedo = tree.input_color("Base Color", (0.8, 0.8, 0.8), tip="Albedo of a facet, linear RGB, 0 to 1")
+    albedo = tree.input_color("Base Color", (0.8, 0.8, 0.8), tip="Albedo of a facet, linear RGB, 0 to 1", held=True)
     tip = "Standard deviation of the facets' tilt; 0 is Lambert"
-    return albedo, tree.input_float("Sigma", 0.3, low=0.0, high=pi / 2, subtype="ANGLE", tip=tip)
+    return albedo, tree.input_float("Sigma", 0.3, low=0.0, high=pi / 2, subtype="ANGLE", tip=tip, held=True)
 
 
-def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Value) -> Node:
+def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:
     """The OSL shader ``oren_nayar_ESTIMATOR`` fed by these inputs."""
     return osl_script.script(
         tree,
@@ -71,7 +73,7 @@ def build(tree: Tree, kind: str) -> None:
     albedo, sigma = _parameters(tree)
     with tree.frame("Cosines and sines of theta_i and theta_o"):
         light, view = dot(N, wi), dot(N, wo)
-        lit = less(0.0 * light, light) * less(0.0 * view, view)
+        lit = greater(light, 0.0)  # a map may turn N away from the viewer, which is then a grazing view
         ni, no = maximum(light, 1e-7), maximum(view, 1e-7)
         across_i, across_o = wi - scale(N, light), wo - scale(N, view)  # sin by components: 1 - ni * ni cancels
         sin_i, sin_o = length(across_i), length(across_o)

@@ -17,7 +17,7 @@ from ._tree import Tree, Value, less, minimum, select
 from .oren_nayar_table import LAMBERT, TABLES
 
 NAME = "VGroove Oren-Nayar Closure"
-REVISION = 2
+REVISION = 3
 TIP = "To the material's Surface. Cycles' own model: off by up to {} at 34 degrees of Sigma, {} at 90"
 OFF = {"full": ("16 %", "39 %"), "qualitative": ("30 %", "68 %")}
 

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Oren-Nayar Corrected"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
     inputs = oren_nayar.interface(tree)
     beams = beam_interfaces(tree, lamps)
     N = shading_normal(tree, inputs.normal)
-    closures, colors = fit.closures(tree, kind, inputs)
+    closures, colors = fit.closures(tree, kind, inputs, averaged=True)
     shaders = [closures]
     if beams:
         shaders.append(direct.emission(tree, kind, inputs, beams, lambda wi: mixture(tree, colors, wi, N)))
@@ -36,6 +36,6 @@ def build(tree: Tree, kind: str, lamps: int) -> None:
 def build_osl(tree: Tree, kind: str, lamps: int) -> None:
     inputs = oren_nayar.interface(tree)
     beams = beam_interfaces(tree, lamps)
-    shaders = [oren_nayar.script(tree, "fit", kind, inputs).outputs[0]]
+    shaders = [oren_nayar.script(tree, "fit", kind, inputs, averaged=1).outputs[0]]
     shaders += [direct.emission_osl(tree, kind, inputs, beams, "correction")] if beams else []
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")

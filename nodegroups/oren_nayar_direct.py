@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from . import oren_nayar
 from ._tree import Tree, Value, dot
 from .lamp_beams import Beams, beam_interfaces
-from .shading_normal import shading_normal
+from .shading_normal import shading_normal, smoothing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Oren-Nayar Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
@@ -45,7 +45,7 @@ def emission(
     N, wo = shading_normal(tree, inputs.normal), tree.geometry("Incoming")
 
     def lacking(wi: Value) -> Value:
-        f = oren_nayar.brdf(tree, kind, inputs, N, wi, wo)
+        f = oren_nayar.brdf(tree, kind, inputs, N, wi, wo) * smoothing(tree, inputs.normal, wi)
         return f - carried(wi) if carried else f
 
     radiance: Value | int = sum(irradiance * lacking(wi) * dot(N, wi) for wi, irradiance in beams)

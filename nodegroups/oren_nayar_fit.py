@@ -19,13 +19,13 @@ from ._tree import Tree, Value, clamp, dot, maximum, minimum, sqrt
 from .oren_nayar_table import MEAN, TABLES
 from .polynomial import horner
 from .polynomial import share as share_by_table
-from .shading_normal import shading_normal
+from .shading_normal import average_smoothing, shading_normal
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Oren-Nayar Fit"
-REVISION = 1
+REVISION = 2
 TIP = "To the material's Surface. Off by up to {}, from 80 degrees of view {}"
 OFF = {"full": ("6 %", "10 %"), "qualitative": ("10 %", "11 %")}
 
@@ -42,9 +42,17 @@ def build_osl(tree: Tree, kind: str) -> None:
     tree.output_shader("BSDF", node.outputs[0], tip=TIP.format(*OFF[kind]))
 
 
-def closures(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[NodeSocket, tuple[Value, Value]]:
-    """Both closures added up, and their colours."""
+def closures(
+    tree: Tree, kind: str, inputs: oren_nayar.Inputs, *, averaged: bool = False
+) -> tuple[NodeSocket, tuple[Value, Value]]:
+    """Both closures added up, and their colours.
+
+    ``averaged``: with the average of Cycles' bump smoothing, where Bump Map Correction is off.
+    """
     colors = weights(tree, kind, inputs)
+    if averaged:
+        share = average_smoothing(tree, inputs.normal)
+        colors = (colors[0] * share, colors[1] * share)
     sockets = []
     for color, roughness in zip(colors, (0.0, 1.0), strict=True):
         diffuse = tree.node("ShaderNodeBsdfDiffuse", color, roughness)

@@ -15,7 +15,7 @@ from . import oren_nayar_direct as direct
 from ._tree import Tree, cos, cross, less, maximum, normalize, scale, select, sin, sqrt
 from .lamp_beams import beam_interfaces
 from .random_numbers import random_numbers
-from .shading_normal import shading_normal
+from .shading_normal import shading_normal, smoothing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._tree import Value
 
 NAME = "VGroove Oren-Nayar Mirror"
-REVISION = 3
+REVISION = 4
 STREAM = 2  # apart from Cook-Torrance's, whose draw may stand beside this one in a sum
 
 
@@ -61,7 +61,7 @@ def ray(
         radius, phi = sqrt(u1), 2.0 * pi * u2
         wi = scale(T, radius * cos(phi)) + scale(B, radius * sin(phi)) + scale(N, sqrt(1.0 - u1))
     with tree.frame("Weight pi f, a mirror about the half vector"):
-        f = oren_nayar.brdf(tree, kind, inputs, N, wi, wo)
+        f = oren_nayar.brdf(tree, kind, inputs, N, wi, wo) * smoothing(tree, inputs.normal, wi)
         weight = (maximum(f - carried(wi), 0.0) if carried else f) * pi
         mirror = tree.node("ShaderNodeBsdfAnisotropic", weight, 0.0, distribution="BECKMANN")
         tree.connect(normalize(wi + wo), mirror.inputs["Normal"])

@@ -4,12 +4,12 @@
 from ._tree import Tree, Value, clamp
 
 NAME = "VGroove Schlick"
-REVISION = 1
+REVISION = 2
 
 
 def interface(tree: Tree) -> dict[str, Value]:
     """The artist's inputs, by the reference's parameter names."""
-    return {"f0": tree.input_color("F0", (0.04, 0.04, 0.04), tip="Reflectance seen head-on, linear RGB")}
+    return {"f0": tree.input_color("F0", (0.04, 0.04, 0.04), tip="Reflectance seen head-on, linear RGB", held=True)}
 
 
 def build(tree: Tree) -> None:

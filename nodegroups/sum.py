@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import cook_torrance, cook_torrance_albedo
-from .shading_normal import shading_normal
+from .shading_normal import specular_normal, typical_smoothing
 
 if TYPE_CHECKING:
     import bpy
@@ -19,21 +19,27 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Sum"
-REVISION = 3
+REVISION = 4
 
 
 def build(
-    tree: Tree, diffuse: bpy.types.ShaderNodeTree, specular: bpy.types.ShaderNodeTree, coupled: str | None = None
-) -> None:
-    """``coupled``: the kind of the specular part's Fresnel term, where the diffuse part gets what that leaves."""
+    tree: Tree, diffuse: bpy.types.ShaderNodeTree, specular: bpy.types.ShaderNodeTree, coupled: str | None = None,
+    *, averaged: bool = False,
+) -> None:  # fmt: skip
+    """``coupled``: the kind of the specular part's Fresnel term, where the diffuse part gets what that leaves.
+
+    ``averaged``: the diffuse part gets a share in place of Cycles' bump smoothing, which is off as specular lobes lean.
+    """
     d, s = weights(tree, coupled=coupled is not None)
     for part in (diffuse, specular):
         tree.inputs_of(part)
     if coupled is not None:
         inputs = cook_torrance.given(tree, coupled)
-        E = cook_torrance_albedo.directional_albedo(tree, coupled, inputs, shading_normal(tree, inputs.normal))
+        E = cook_torrance_albedo.directional_albedo(tree, coupled, inputs, specular_normal(tree, inputs.normal))
         with tree.frame("What the specular part leaves"):
             d = d * (1.0 - s * E)
+    if averaged:
+        d = d * typical_smoothing(tree, tree.given("Normal"))
     shaders = []
     for part, weight in ((diffuse, d), (specular, s)):
         with tree.frame(part.name):
@@ -50,6 +56,9 @@ def weights(tree: Tree, *, coupled: bool) -> tuple[Value, Value]:
     tips = ("Share of the diffuse part", "Share of the specular part")
     if coupled:
         together = ", of what the specular part leaves"
-    d = tree.input_float("Diffuse", 0.5, low=0.0, high=1.0, subtype="FACTOR", tip=tips[0] + together)
-    s = tree.input_float("Specular", 0.5, low=0.0, high=1.0, subtype="FACTOR", tip=tips[1] + together * (not coupled))
+    tips = (tips[0] + together, tips[1] + together * (not coupled))
+    d, s = (
+        tree.input_float(name, 0.5, low=0.0, high=1.0, subtype="FACTOR", tip=tip, held=True)
+        for name, tip in zip(("Diffuse", "Specular"), tips, strict=True)
+    )
     return d, s

@@ -12,7 +12,7 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import cook_torrance, cook_torrance_albedo
-from .shading_normal import shading_normal
+from .shading_normal import specular_normal, typical_smoothing
 
 if TYPE_CHECKING:
     import bpy
@@ -20,25 +20,30 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Translucent"
-REVISION = 3
+REVISION = 4
 
 
-def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str) -> None:
-    """``coat``: the group of the coat by the estimator; ``kind``: of its Fresnel term."""
+def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bool = False) -> None:
+    """``coat``: the group of the coat by the estimator; ``kind``: of its Fresnel term.
+
+    ``averaged``: with what Bump Map Correction does to the body, where it is off as the coat's lobes lean.
+    """
     tip = "Diffuse reflectance: what a large, evenly lit body sends back of the light that enters it"
-    color = tree.input_color("Reflectance", (0.8, 0.8, 0.8), tip=tip)
+    color = tree.input_color("Reflectance", (0.8, 0.8, 0.8), tip=tip, held=True)
     tip = "Of red, green and blue light, in metres: how far it goes between two turns"
-    path = tree.input_vector("Mean Free Path", (1e-3, 1e-3, 1e-3), low=0.0, high=10.0, tip=tip)
+    path = tree.input_vector("Mean Free Path", (1e-3, 1e-3, 1e-3), low=0.0, high=10.0, tip=tip, held=True)
     tree.inputs_of(coat)
     inputs = cook_torrance.given(tree, kind)
-    E = cook_torrance_albedo.directional_albedo(tree, kind, inputs, shading_normal(tree, inputs.normal))
+    N = specular_normal(tree, inputs.normal)
+    E = cook_torrance_albedo.directional_albedo(tree, kind, inputs, N)
     with tree.frame("Below the surface"):
         body = tree.node("ShaderNodeSubsurfaceScattering", falloff="RANDOM_WALK")
         tree.connect(color, body.inputs["Color"])
         tree.connect(path * (4.0 * pi, 4.0 * pi, 4.0 * pi), body.inputs["Radius"])
         tree.connect(1.0, body.inputs["Scale"])
-        tree.connect(inputs.normal, body.inputs["Normal"])
-        below = tree.weighted(body.outputs[0], 1.0 - E)
+        tree.connect(N if averaged else inputs.normal, body.inputs["Normal"])
+        weight = (1.0 - E) * typical_smoothing(tree, inputs.normal) if averaged else 1.0 - E
+        below = tree.weighted(body.outputs[0], weight)
     with tree.frame(coat.name):
         node = tree.node("ShaderNodeGroup", node_tree=coat, label=coat.name)
         for socket in node.inputs:

@@ -343,7 +343,7 @@ class _Universal:
             names = ("f0", "f82_tint", "eta", "n", "k")
             values = {name: self.parameter(name) for name in names} | {"kind": self.switch("fresnel")}
             inputs = cook_torrance.Inputs(values, self.parameter("m"), self.normal)
-            N = shading_normal.shading_normal(self.tree, self.normal)
+            N = shading_normal.specular_normal(self.tree, self.normal)
             with _any_kind(osl=False):
                 E = cook_torrance_albedo.directional_albedo(self.tree, ANY, inputs, N)
             self._read["left"] = 1.0 - self.switch("coupled") * (self.parameter("s") * E)

@@ -7,12 +7,12 @@ float elevation(float cosine, float sine)
     return 4 / M_PI * atan(cosine / (1 + sine));
 }
 
-// Eqs. 27 to 30, in 1/sr; 0 below the surface. kind: 0 full, 1 qualitative
+// Eqs. 27 to 30, in 1/sr; 0 where the light is below the surface. kind: 0 full, 1 qualitative
 color oren_nayar(int kind, vector wi, vector wo, normal n, color albedo, float sigma)
 {
-    float ni = dot(n, wi), no = dot(n, wo);
-    if (ni <= 0 || no <= 0) return color(0);
-    vector across_i = wi - ni * n, across_o = wo - no * n;  // sin by components: 1 - ni * ni cancels in float32
+    float ni = dot(n, wi), view = dot(n, wo), no = max(view, 1e-7);  // a map may turn n away: a grazing view
+    if (ni <= 0) return color(0);
+    vector across_i = wi - ni * n, across_o = wo - view * n;  // sin by components: 1 - ni * ni cancels in float32
     float sin_i = length(across_i), sin_o = length(across_o);
     // Along the normal 0 / 0 reads 0 in OSL; b is 0 there and every factor of cos p vanishes with it.
     float cos_p = clamp(dot(across_i, across_o) / (sin_i * sin_o), -1, 1);

@@ -10,8 +10,8 @@ float fit_x(normal n, vector wo)
     return sqrt((1 - mu) / (1 + mu));
 }
 
-// Colours of Lambert and of Cycles' Oren-Nayar of roughness 1
-void fit_colors(int kind, float x, color albedo, float sigma, output color lambert, output color retro)
+// Colours of Lambert and of Cycles' Oren-Nayar of roughness 1; kept: the share of both that is left
+void fit_colors(int kind, float x, float kept, color albedo, float sigma, output color lambert, output color retro)
 {
     float s2 = sigma * sigma, facing = s2 / (s2 + 0.09);
     color once = 1 - 0.5 * s2 / (s2 + 0.33) + facing * fit_albedo(kind, x);
@@ -21,7 +21,8 @@ void fit_colors(int kind, float x, color albedo, float sigma, output color lambe
     retro = albedo * (facing * fit_retro(kind, x));
     float single = fit_native(kind, x);
     color again = retro * retro * retro * (FIT_MEAN * (1 - single)) / (1 - retro * (1 - FIT_MEAN));
-    lambert = max(energy - (retro * single + again), color(0));
+    lambert = kept * max(energy - (retro * single + again), color(0));
+    retro *= kept;
 }
 
 // c of hybrid, which keeps what it has too much of below the bound
@@ -38,13 +39,13 @@ float fujii_albedo(float c, float s)
     return FIT_A * (M_PI + s * (angle - s * c) + 2.0 / 3 * (grazing - s));
 }
 
-// Cycles' Oren-Nayar of roughness 1; 0 below the surface
+// Cycles' Oren-Nayar of roughness 1; 0 where the light is below the surface
 color cycles_diffuse(vector wi, vector wo, normal n, color c)
 {
-    float ni = dot(n, wi), no = dot(n, wo);
-    if (ni <= 0 || no <= 0) return color(0);
-    vector across_i = wi - ni * n, across_o = wo - no * n;
-    float s = dot(across_i, across_o), once = FIT_A * (1 + (s > 0 ? s / max(ni, no) : s));
+    float ni = dot(n, wi), view = dot(n, wo), no = max(view, 0);  // Cycles takes n.v as 0 where a map turns n away
+    if (ni <= 0) return color(0);
+    vector across_i = wi - ni * n, across_o = wo - view * n;
+    float s = dot(across_i, across_o) + ni * min(view, 0), once = FIT_A * (1 + (s > 0 ? s / max(ni, no) : s));
     float lost = (1 - fujii_albedo(ni, length(across_i))) * (1 - fujii_albedo(no, length(across_o)));
     color again = c * c * c * (FIT_MEAN / (1 - FIT_MEAN) * lost / M_PI) / (1 - c * (1 - FIT_MEAN));
     return c * once + again;
@@ -53,6 +54,6 @@ color cycles_diffuse(vector wi, vector wo, normal n, color c)
 // f of both closures
 color fit_mixture(vector wi, vector wo, normal n, color lambert, color retro)
 {
-    if (dot(n, wi) <= 0 || dot(n, wo) <= 0) return color(0);
+    if (dot(n, wi) <= 0) return color(0);
     return lambert / M_PI + cycles_diffuse(wi, wo, n, retro);
 }

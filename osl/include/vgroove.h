@@ -93,7 +93,45 @@ closure color native_lobe(
 // The surface's own normal where none is linked: an unlinked group input reads (0, 0, 0)
 normal shading_normal(normal given)
 {
-    return dot(given, given) < 1e-12 ? N : normalize(given);
+    normal held = clamp(given, normal(-1e15), normal(1e15));  // the square of more is infinite
+    return dot(held, held) > 1e-12 ? normalize(held) : N;
+}
+
+// The same for closures that mirror, raised toward Ng until the view's mirror image is above the surface: N + k Ng, as
+// nodegroups/shading_normal.py derives it
+normal specular_normal(normal given)
+{
+    normal n = shading_normal(given);
+    float c = dot(Ng, I), d = dot(n, Ng), no = dot(n, I), t = min(0.9 * c, 0.01);
+    if (2 * no * d - c >= t) return n;
+    float u = no - d * c, k = (sqrt(u * u + (1 - d * d) * (c * c - t * t)) - u) / (c - t) - d;
+    return normalize(n + k * Ng);
+}
+
+// Squared slope of Cycles' bump smoothing, from the tilt of a linked normal; 0 where none is linked
+float bump_slope2(normal given, normal n)
+{
+    float d = dot(n, N);
+    return dot(given, given) > 1e-12 ? clamp(0.125 * (1 / max(d * d, 1e-12) - 1), 0, 1) : 0;
+}
+
+// Whether a light is above the surface without the map, which Cycles asks of every closure
+int bump_lit(normal given, normal n, vector wi)
+{
+    return dot(given, given) <= 1e-12 || dot(N, wi) * dot(N, n) > 0;
+}
+
+// The share of light from wi that Cycles' diffuse closures keep on a mapped normal. Conty Estevez et al. 2019
+float bump_smoothing(normal given, normal n, vector wi)
+{
+    float light = dot(N, wi), slope2 = bump_slope2(given, n);
+    return bump_lit(given, n, wi) ? 2 / (1 + sqrt(1 + slope2 * (1 / max(light * light, 1e-12) - 1))) : 0;
+}
+
+// Its average in an even light, as in nodegroups/shading_normal.py
+float bump_average(normal given, normal n)
+{
+    return 1 / (1 + 0.62 * pow(bump_slope2(given, n), 0.75));
 }
 
 // Two unit vectors at right angles to the unit vector n and to each other
