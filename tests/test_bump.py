@@ -7,7 +7,8 @@ import pytest
 from mathutils import Vector
 
 from vgroove.addon import gonio, headless, material, presets, scene
-from vgroove.addon.material import BUILDERS, Choice, apply, build, lamps_to_bind
+from vgroove.addon.material import BUILDERS, Choice, build, lamps_to_bind
+from vgroove.addon.slots import apply
 
 pytestmark = pytest.mark.blender
 

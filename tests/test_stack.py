@@ -7,7 +7,7 @@ import pytest
 from vgroove.addon import gonio, presets
 from vgroove.addon.gonio import Geometry
 from vgroove.addon.headless import stack_overflows
-from vgroove.addon.material import Choice, build
+from vgroove.addon.material import Choice, build, lamps_to_bind
 from vgroove.addon.stack import SIZE, stack_need
 
 pytestmark = pytest.mark.blender
@@ -34,17 +34,21 @@ MATERIALS = [
 ]
 
 
-def lamps(blender, rig):
-    """Lamps of some size, in the open scene."""
-    made = []
+def light(blender, rig):
+    """Lights of some size, in the open scene."""
     for number, kind in enumerate(RIGS[rig] if rig else ()):
-        data = blender.data.lights.new(f"Lamp {number}", kind)
+        data = blender.data.lights.new(f"Light {number}", kind)
         if kind in {"POINT", "SPOT"}:
             data.shadow_soft_size = 0.1
-        made.append(blender.data.objects.new(f"Lamp {number}", data))
-        made[-1].location = (number - 3.0, -2.0, 3.0)
-        blender.context.scene.collection.objects.link(made[-1])
-    return tuple(made)
+        item = blender.data.objects.new(f"Light {number}", data)
+        item.location = (number - 3.0, -2.0, 3.0)
+        blender.context.scene.collection.objects.link(item)
+
+
+def made_of(blender, name, estimator, rig):
+    light(blender, rig)
+    preset = presets.find(name)
+    return build(preset, Choice("nodes", estimator, lamps_to_bind(blender.context.scene, estimator, preset.model)))
 
 
 def render(material):
@@ -121,7 +125,7 @@ def test_the_message_is_heard(empty_material):
 @pytest.mark.parametrize(("name", "estimator", "rig"), MATERIALS)
 def test_the_estimate_is_never_too_small_and_not_much_too_large(blender, name, estimator, rig):
     """What it says to fill the stack renders; what it says to be 15 % more does not, but where many lamps are bound."""
-    made = build(presets.find(name), Choice("nodes", estimator, lamps(blender, rig)))
+    made = made_of(blender, name, estimator, rig)
     assert not stack_overflows(lambda: render(filled(made, SIZE)))
     if rig in {None, "one sun"}:  # what drivers set may be any number, which folds less than what it is
         assert stack_overflows(lambda: render(filled(made, int(SIZE * ALLOWED))))
@@ -131,5 +135,5 @@ def test_the_estimate_is_never_too_small_and_not_much_too_large(blender, name, e
 @pytest.mark.parametrize("name", ["car_paints/blue", "lecture/copper"])
 def test_what_the_estimate_lets_pass_renders(blender, name, rig):
     """Of materials as they are."""
-    made = build(presets.find(name), Choice("nodes", "corrected", lamps(blender, rig)))
+    made = made_of(blender, name, "corrected", rig)
     assert stack_need(made) > SIZE or not stack_overflows(lambda: render(made))
