@@ -83,6 +83,9 @@ UPRIGHT = {"closure", "direct"}  # estimators whose closures do not lean: others
 NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
 KEY = roles.KEY  # custom property on a material: what it was built from
 RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
+# How many lights may be bound where Cycles' stack of 255 floats has no room for eight: what outgrows it renders black.
+# Measured with room to spare for an artist's own nodes (tests/test_stack.py).
+MOST_LIGHTS = {("car_paint", "corrected"): 2, ("car_paint", "hybrid"): 2}
 EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
 
 
@@ -105,7 +108,8 @@ def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") ->
 
 def bindable(lights: Sequence[Light], estimator: str, model: str) -> tuple[Light, ...]:
     """Those of a scene's followed lights that the material evaluates itself."""
-    return tuple(one for one in lights if binds(estimator, lamp_binding.size(one.item), model))[: lamp_binding.LIMIT]
+    most = MOST_LIGHTS.get((model, estimator), lamp_binding.LIMIT)
+    return tuple(one for one in lights if binds(estimator, lamp_binding.size(one.item), model))[:most]
 
 
 class MaterialError(ValueError):
