@@ -834,7 +834,7 @@ def _reading(*sources: Path) -> Iterator[None]:
         raise
     except Exception as error:
         message = f"{' or '.join(map(str, sources))}: not as this vgroove writes it"
-        message += f" ({type(error).__name__}: {error}); measure it anew"
+        message += f" ({type(error).__name__}: {error}); measure again"
         raise ReportError(message) from error
 
 

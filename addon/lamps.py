@@ -3,12 +3,12 @@
 
 A material holds no reference to a light: it reads the first sun, the second spot and so on from the *rig*, a custom
 property of the scene whose numbers are driven by the lights themselves. So a material that is appended elsewhere drags
-no light along and meets the lights of its new scene; a rig is written anew by ``follow`` when lights come, go or change
-their kind.
+no light along and meets the lights of its new scene. ``follow`` rewrites a rig when lights come, go or change their
+kind.
 
 Drivers use simple expressions only, so they run where Python scripts are barred. A light that is hidden, deleted,
 excluded from the view layer that is rendered, renamed, or of another kind than it was when the rig was written gives
-nothing until the rig is written anew: estimators that see it by themselves then show it in their own way.
+nothing until the rig is rewritten; estimators that see it by themselves then show it in their own way.
 """
 
 from __future__ import annotations

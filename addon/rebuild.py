@@ -2,7 +2,7 @@
 """A material changed in place: by another estimator, for other lights, or back to its preset's numbers.
 
 It keeps its name and users, and everything that still has a socket: values, textures, links, keys, drivers, and the
-shaders that it is mixed with. What cannot be kept is told in words.
+shaders that it is mixed with. The functions return, in words, what could not be kept.
 """
 
 from __future__ import annotations

@@ -574,7 +574,7 @@ def _run(blender: str, run: dict[str, Any]) -> Run:
                     name: {"columns": one["columns"], "rows": one["rows"]} for name, one in cell["tables"].items()
                 }
         except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
-            message = f"{key}: not as this vgroove writes it ({type(error).__name__}: {error}); measure it anew"
+            message = f"{key}: not as this vgroove writes it ({type(error).__name__}: {error}); measure again"
             raise ReportError(message) from error
     taken = run.get("seconds", {})
     seconds = sum(taken.values()) if taken.keys() >= run["cells"].keys() else 0.0

@@ -206,7 +206,7 @@ def read(path: Path) -> dict[str, Any]:
         message = f"{path}: no report; name a report.json that `vgroove report -o DIR` wrote"
         raise ReportError(message)
     if content.get("format") != FORMAT:
-        message = f"{path}: is of format {content.get('format')}, this vgroove reads {FORMAT}; measure it anew"
+        message = f"{path}: is of format {content.get('format')}, this vgroove reads {FORMAT}; measure again"
         raise ReportError(message)
     if flaw := next(_flaws(content), ""):
         message = f"{path}: {flaw}; name a report.json as `vgroove report -o DIR` wrote it"

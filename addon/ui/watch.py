@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Facts of scenes for what is drawn: read once after each change of the file, however often panels are drawn.
 
-Operators read them anew (``facts.of``), as a script may have changed what Blender has not evaluated yet.
+Operators call ``facts.of`` themselves, as a script may have changed what Blender has not evaluated yet.
 """
 
 from __future__ import annotations
