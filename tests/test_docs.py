@@ -52,6 +52,11 @@ GIVEN = {
         "noise of 2 %": "an example of what is asked for",
         "at most 1 MB": "a limit of batch.job",
     },
+    "docs/colour.md": {
+        "less than 0.4 %": "a bar of tests/test_colour_space.py",
+        "at most 0.008": "a bar of tests/test_colour_space.py",
+        "at most 0.25": "a bar of tests/test_colour_space.py",
+    },
     "docs/glass.md": {"R + T = 1 to 1e-4": "a bar of tests/test_glass.py"},
     "docs/oren_nayar.md": {
         "0.1 to 5 %": "the bounds that there are",
