@@ -68,10 +68,11 @@ def problems(
         text = f"This material has no {name_of(estimator)}; choose {', '.join(map(name_of, has))} or Automatic"
         return [*found, Problem("model", text)]
     bound = known.to_bind(estimator, model)
-    if estimator in RANDOM:
-        found += [*_unseen_problems(known, estimator, model), *_setting_problems(known.scene, estimator, model)]
     if estimator in RANDOM and (model != "glass" or m > 0.0):  # a smooth interface draws nothing
+        found += [*_unseen_problems(known, estimator, model), *_setting_problems(known.scene, estimator)]
         found += _ray_problems(known)
+    if estimator in RANDOM:
+        found += _caustics_problems(known.scene, estimator, model)
     if estimator == "direct":
         found += _direct_problems(known)
     if estimator in EVERY_LAMP:
@@ -223,7 +224,7 @@ def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[
             yield Problem("small", f"{text}; make them larger, or choose Standard")
 
 
-def _setting_problems(scene: Scene, estimator: str, model: str) -> Iterator[Problem]:
+def _setting_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
     """Settings that take light from random facets."""
     cycles, name = scene.cycles, name_of(estimator)
     if cycles.use_adaptive_sampling:
@@ -238,6 +239,10 @@ def _setting_problems(scene: Scene, estimator: str, model: str) -> Iterator[Prob
         mend = partial(_set, cycles, sample_clamp_indirect=0.0)
         text = f"Clamp Indirect is on and darkens {name}"
         yield Problem("clamp", text, "Set Clamp Indirect to 0", mend, "more fireflies")
+
+
+def _caustics_problems(scene: Scene, estimator: str, model: str) -> Iterator[Problem]:
+    cycles, name = scene.cycles, name_of(estimator)
     if model == "glass" and not cycles.caustics_refractive:
         text = f"Refractive Caustics are off: light through {name} is lost"
         mend = partial(_set, cycles, caustics_refractive=True)

@@ -78,6 +78,7 @@ GIVEN = {
         "within 0.01": "what advice.native_fresnel_error tells",
         "lights 6 % up to": "what was aimed at",
         "and 10 % up to": "what was aimed at",
+        "on m up to 0.4": "slopes",
         "at most 4 %": "a bar",
         "8.5 % for": "a bar",
         "within 1 % and": "a bar",
