@@ -123,9 +123,11 @@ def _is_course_kept(built: str, now: str, T: Floats) -> bool:
                   for state in (built, now))  # fmt: skip
     if was == found:
         return True
-    if [one[0] for one in was] != [TRAJECTORY] or [one[0] for one in found] != [TRAJECTORY]:
+    curves = [[one for one in entries if one[0] == CURVE] for entries in (was, found)]
+    ramps = [[one[1] for one in entries if one[0] == TRAJECTORY] for entries in (was, found)]
+    if curves[0] != curves[1] or [len(one) for one in ramps] != [1, 1]:
         return False
-    before, after = ast.literal_eval(was[0][1]), ast.literal_eval(found[0][1])
+    before, after = (ast.literal_eval(of) for (of,) in ramps)
     return before.keys() == after.keys() and all(
         len(before[name]) == len(after[name])
         and all(
