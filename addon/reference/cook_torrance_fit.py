@@ -75,11 +75,11 @@ def lobes(wo: ArrayLike, m: ArrayLike, of: dict[str, Floats] | None = None) -> L
     wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
     of: numbers in place of the committed table's.
     """
-    wo, held = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
-    s, u, slope = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), view_coordinate(wo, held), held)
+    wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
+    s, u, m = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), view_coordinate(wo, m), m)
     of = of or tables()
-    weight, roughness, anisotropy, tilt = (interpolated(of[name], u, slope) for name in FUNCTIONS)
-    square, aspect = slope[..., None] * roughness**2, np.sqrt(1.0 - (1.0 - NARROWEST) * anisotropy)
+    weight, roughness, anisotropy, tilt = (interpolated(of[name], u, m) for name in FUNCTIONS)
+    square, aspect = m[..., None] * roughness**2, np.sqrt(1.0 - (1.0 - NARROWEST) * anisotropy)
     return Lobes(weight, np.minimum(square / aspect, 1.0), np.minimum(square * aspect, 1.0), tilt * s[..., None])
 
 
@@ -88,7 +88,7 @@ def view_coordinate(wo: Floats, m: ArrayLike) -> Floats:
 
     Near the normal it is quadratic in the angle, as everything is that does not lean.
     """
-    c, m = np.maximum(wo[..., 2], 0.0), np.asarray(m, dtype=np.float64)
+    c = np.maximum(wo[..., 2], 0.0)
     return np.asarray(m * (1.0 - c) / np.maximum(c + m, 1e-300), dtype=np.float64)
 
 
