@@ -16,7 +16,7 @@ from . import cook_torrance_closure as closure
 from ._tree import Tree, Value, cross, dot, length, maximum, minimum, scale, sqrt
 from .cook_torrance_table import share as of_share
 from .polynomial import share as share_by_table
-from .shading_normal import raised, specular_normal
+from .shading_normal import raised
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
@@ -96,7 +96,7 @@ def lobes(tree: Tree, m: Value, N: Value) -> list[Lobe]:
 
 def for_script(tree: Tree, inputs: cook_torrance.Inputs) -> dict[str, Value]:
     """The same as parameters of the OSL shaders, which cannot read an image of a .blend themselves."""
-    found = looked_up(tree, inputs.m, specular_normal(tree, inputs.normal))
+    found = looked_up(tree, inputs.m, shading_normal(tree, inputs.normal))
     return dict(zip(("weights", "first", "second", "third"), found, strict=True))
 
 
