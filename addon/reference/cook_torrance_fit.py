@@ -3,11 +3,12 @@
 
 ``hybrid`` takes a share of that mixture and adds what is missing.
 
-Each lobe is a Beckmann microfacet lobe with Smith's G. The first is round and upright. The others have slopes of their
-own across and in the plane of view, and a normal tilted within that plane; where the view needs none of them their
-weight is 0, and Cycles skips them. Weights, slopes and tilts are interpolated in a table over view and slope, which
-``tools/fit_cook_torrance.py`` finds by the least L1 distance from the V-groove model, in views and under lights, and
-writes to ``cook_torrance_fit.toml``. F depends on v.h alone, so that one mixture serves every Fresnel term.
+Each lobe is a Beckmann microfacet lobe with Smith's G, slopes of its own across and in the plane of view, and a
+normal tilted within that plane. Where the V-groove's G clips no facet, one round lobe of slope m is the model itself;
+weights, slopes and tilts leave that lobe by polynomials in (2x - 1, 2m - 1), as far as ``clipped_share`` says. They
+are sums of Chebyshev's, as float32 shaders would lose three digits in powers; ``tools/fit_cook_torrance.py``
+finds them by the least L1 distance from the V-groove model and writes ``cook_torrance_fit.toml``. F depends on v.h
+alone, so that one mixture serves every Fresnel term.
 
 Source of the lobe: Heitz 2014, Understanding the Masking-Shadowing Function, JCGT 3(2), eqs. 85 to 99.
 """
@@ -33,9 +34,11 @@ if TYPE_CHECKING:
     from .fresnel import Fresnel
 
 TABLE = Path(__file__).with_suffix(".toml")
-FUNCTIONS = ("weight", "roughness", "anisotropy", "tilt")
-LOBES = 3
-NARROWEST = 0.1  # (within / across)^2 at anisotropy 1: what Cycles' Metallic BSDF offers
+FUNCTIONS = ("weight", "anisotropy", "tilt", "across")
+ALONE = 0.9998  # weight of the one lobe where nothing is clipped; below 1, for a furnace must not exceed 1
+HALF_CLIPPED = 0.2  # of facets that are clipped, at which half of the polynomials counts
+MOST_LEAN = 0.95  # of the tilt at which the view would pass below a lobe's own horizon
+NARROWEST = 0.1  # within over across: what Cycles' Metallic BSDF offers
 
 
 @dataclass(frozen=True)
@@ -52,64 +55,77 @@ class Lobes:
 
 
 @cache
-def tables() -> dict[str, Floats]:
-    """Numbers [lobe, m, view] of each of ``FUNCTIONS``, and the coefficients of ``share``.
-
-    Slopes m from 0 to 1 and views by ``view_coordinate`` from 0 to 1 are evenly spaced.
-    """
+def table() -> dict[str, Floats]:
+    """Coefficients c[lobe, j, k] of T_j(2x - 1) T_k(2m - 1), Chebyshev's, for each of ``FUNCTIONS``."""
     with TABLE.open("rb") as file:
-        numbers = {name: np.array(found) for name, found in tomllib.load(file).items()}
-    # As the shaders' image holds them. The first lobe is round and upright: its rows of these two are not in the file.
-    found = {name: numbers[name].astype(np.float32).astype(np.float64) for name in FUNCTIONS}
-    for name in ("anisotropy", "tilt"):
-        found[name] = np.concatenate([np.zeros_like(found[name][:1]), found[name]])
-    return found | {"share": numbers["share"]}
+        return {name: np.array(numbers) for name, numbers in tomllib.load(file).items()}
 
 
-def lobes(wo: ArrayLike, m: ArrayLike, of: dict[str, Floats] | None = None) -> Lobes:
+def polynomial(coefficients: Floats, x: Floats, m: Floats) -> Floats:
+    """Sum of c[..., j, k] T_j(2x - 1) T_k(2m - 1); x and m (...), the result (..., lobes)."""
+    sizes = coefficients.shape[-2:]
+    of_x, of_m = (
+        np.polynomial.chebyshev.chebvander(2.0 * v - 1.0, n - 1).reshape(*v.shape, n)
+        for v, n in zip((x, m), sizes, strict=True)
+    )
+    products = np.einsum("...j,...k->...jk", of_x, of_m)
+    return np.einsum("...jk,ljk->...l", products, coefficients)
+
+
+def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = None) -> Lobes:
     """The mixture for views ``wo`` and slopes ``m``, which are held to Cycles' limit of 1.
 
-    With the table's weight w, roughness r, anisotropy a and tilt t, linear between its nodes, and s = sin:
-    across = m r^2 / b, within = m r^2 b, each at most 1, b = (1 - 0.9 a)^(1/2);  tangent of the tilt = t s.
+    With x = m s / (c + m s), c = n.v, s = sin: 0 head-on, 1 at grazing, and alike for all m where m is small; with g =
+    ``clipped_share`` and polynomials w, r, t of each lobe and a of all:
+    weight = min(max(w0 + g w, 0), 1), w0 = ``ALONE`` for the first lobe and 0 for the others;
+    across = min(1, m (1 + g a)), the same for all;  within = across (1 - 0.9 min(max(x g r, 0), 1));
+    tilt = m (1 - x) s min(g t, ``MOST_LEAN`` / (x s)).
+    Head-on every lobe is round and upright, as it must be to stay continuous there.
 
     wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
-    of: numbers in place of the committed table's.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
-    s, u, m = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), view_coordinate(wo, m), m)
-    of = of or tables()
-    weight, roughness, anisotropy, tilt = (interpolated(of[name], u, m) for name in FUNCTIONS)
-    square, aspect = m[..., None] * roughness**2, np.sqrt(1.0 - (1.0 - NARROWEST) * anisotropy)
-    return Lobes(weight, np.minimum(square / aspect, 1.0), np.minimum(square * aspect, 1.0), tilt * s[..., None])
+    s, x, g, m = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), grazing(wo, m), clipped_share(wo, m), m)
+    of = coefficients or table()
+    alone = starts(len(of["weight"]))
+    values = (start + g[..., None] * polynomial(of[name], x, m) for name, start in zip(FUNCTIONS, alone, strict=True))
+    return shaped(m[..., None], x[..., None], s[..., None], *values)
 
 
-def view_coordinate(wo: Floats, m: ArrayLike) -> Floats:
-    """u = m (1 - c) / (c + m), c = n.v, (...): 0 head-on, 1 at grazing, and alike for all m where m is small.
+def starts(count: int) -> tuple[Floats, Floats, Floats, Floats]:
+    """What each of ``FUNCTIONS`` is where nothing is clipped: of ``count`` lobes one, upright and round, of slope m."""
+    return ALONE * (np.arange(count) == 0), np.zeros(count), np.zeros(count), np.ones(1)
 
-    Near the normal it is quadratic in the angle, as everything is that does not lean.
+
+def clipped_share(wo: Floats, m: ArrayLike) -> Floats:
+    """g = q / (q + ``HALF_CLIPPED``) (...), q the share of facets steeper than the first that the V-groove's G clips.
+
+    q = exp(-(t / m)^2), t = c / (3^(1/2) + (3 - 3^(1/2)) s) with c = n.v, s = sin: within 0.6 % of tan(e / 3), e the
+    view's elevation. A facet that leans away from the viewer by e / 3 sends light to e / 3 above the horizon, where
+    2 (n.h)(n.l) = v.h.
     """
-    c = np.maximum(wo[..., 2], 0.0)
-    return np.asarray(m * (1.0 - c) / np.maximum(c + m, 1e-300), dtype=np.float64)
-
-
-def interpolated(numbers: Floats, u: Floats, m: Floats) -> Floats:
-    """``numbers`` [lobe, m, view] at u and m (...), linear in both, (..., lobes)."""
-    (j, of_m), (k, of_u) = (_between(v, n) for v, n in zip((m, u), numbers.shape[1:], strict=True))
-    below, above_m = (numbers[:, at, k] * (1.0 - of_u) + numbers[:, at, k + 1] * of_u for at in (j, j + 1))
-    return np.moveaxis(below * (1.0 - of_m) + above_m * of_m, 0, -1)
-
-
-def _between(x: Floats, nodes: int) -> tuple[NDArray[np.intp], Floats]:
-    """The node below x and the share of the next, for nodes evenly spaced from 0 to 1."""
-    place = np.clip(x, 0.0, 1.0) * (nodes - 1)
-    node = np.minimum(place.astype(np.intp), nodes - 2)
-    return node, place - node
+    c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
+    with np.errstate(under="ignore"):
+        q = np.exp(-np.square(c / (np.sqrt(3.0) + (3.0 - np.sqrt(3.0)) * s) / m))
+    return np.asarray(q / (q + HALF_CLIPPED), dtype=np.float64)
 
 
 def grazing(wo: Floats, m: ArrayLike) -> Floats:
-    """x = m s / (c + m s), (...): 0 head-on, 1 at grazing; the coordinate of the share's table."""
+    """x = m s / (c + m s), (...): 0 head-on, 1 at grazing."""
     c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
     return np.asarray(m * s / np.maximum(c + m * s, 1e-300), dtype=np.float64)
+
+
+def shaped(m: Floats, x: Floats, s: Floats, weight: Floats, anisotropy: Floats, tilt: Floats, across: Floats) -> Lobes:
+    """Lobes from the values of the polynomials, as ``lobes`` says."""
+    across = np.minimum(m * across, 1.0) * np.ones_like(weight)
+    within = across * (1.0 - (1.0 - NARROWEST) * np.clip(x * anisotropy, 0.0, 1.0))
+    return Lobes(
+        np.clip(weight, 0.0, 1.0),
+        across,
+        within,
+        m * (1.0 - x) * s * np.minimum(tilt, MOST_LEAN / np.maximum(x * s, 0.01)),
+    )
 
 
 def mixture(wi: ArrayLike, wo: ArrayLike, m: ArrayLike) -> Floats:
@@ -183,7 +199,7 @@ def hybrid_share(wo: ArrayLike, m: ArrayLike, bound: ArrayLike) -> Floats:
     wo: unit vectors (..., 3); m: RMS slope > 0; bound: 0.001 to 0.05. Raises ValueError outside these ranges.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
-    return hybrid.share(tables()["share"], 2.0 * grazing(wo, m) - 1.0, 2.0 * m - 1.0, bound)
+    return hybrid.share(table()["share"], 2.0 * grazing(wo, m) - 1.0, 2.0 * m - 1.0, bound)
 
 
 def cook_torrance_hybrid(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, bound: ArrayLike) -> Floats:
