@@ -64,7 +64,6 @@ CHANCE = 6.0  # standard errors; the noise of 3 x 3 pixels by two seeds is known
 MEAN_NOISE = 0.8  # of |x| of a normal variable, in its standard deviations; where tails are heavier it is less
 BEACON = 2e4  # radiance that tells in which pixels the material is seen; half floats, as in EEVEE, end at 65504
 TIMING_SIZE, TIMING_SAMPLES, ROUNDS = 48, 128, 5
-SLOWER = 1.3  # times as long as the native material takes, at most
 
 
 @dataclass(frozen=True)
