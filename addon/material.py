@@ -85,7 +85,9 @@ KEY = roles.KEY  # custom property on a material: what it was built from
 RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
 # How many lights may be bound where Cycles' stack of 255 floats has no room for eight: what outgrows it renders black.
 # Measured with room to spare for an artist's own nodes (tests/test_stack.py).
-MOST_LIGHTS = {("car_paint", "corrected"): 2, ("car_paint", "hybrid"): 2}
+MOST_LIGHTS = {
+    ("car_paint", "corrected"): 1, ("car_paint", "hybrid"): 0, ("sum", "corrected"): 3, ("sum", "hybrid"): 5,
+}  # fmt: skip
 EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
 
 
