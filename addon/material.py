@@ -84,10 +84,15 @@ NATIVE = ("fit", "closure")  # of Cycles' own closures, which see every lamp
 KEY = roles.KEY  # custom property on a material: what it was built from
 RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
 # How many lights may be bound where Cycles' stack of 255 floats has no room for eight: what outgrows it renders black.
-# Measured with room to spare for an artist's own nodes (tests/test_stack.py).
+# Measured with room to spare for an artist's own nodes, in 4.5, which keeps more on it, without (tests/test_stack.py).
 MOST_LIGHTS = {
     ("car_paint", "corrected"): 1, ("car_paint", "hybrid"): 0, ("sum", "corrected"): 3, ("sum", "hybrid"): 5,
 }  # fmt: skip
+if bpy.app.version < (5, 0, 0):  # goes with 4.5 LTS
+    MOST_LIGHTS = {
+        ("car_paint", "corrected"): 2, ("car_paint", "hybrid"): 2, ("car_paint", "direct"): 6, ("sum", "corrected"): 4,
+        ("translucent", "corrected"): 4, ("cook_torrance", "corrected"): 3, ("oren_nayar", "corrected"): 6,
+    }  # fmt: skip
 EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
 
 
