@@ -216,7 +216,7 @@ def shot(shown, folder):
 
 @pytest.mark.parametrize("estimator", ["closure", "corrected", "hybrid", "mirror", "direct"])
 def test_bound_lights_move_in_a_scene_that_cycles_keeps(stage, tmp_path, estimator):
-    """Persistent data: the second frame is that of a scene which Cycles reads anew, to the last digit."""
+    """Persistent data: the second frame equals that of a freshly synced scene, to the last digit."""
     import bpy
 
     ball, point = add(stage, "Ball", scene.ball_mesh(32, 16)), stage.objects["Point"]

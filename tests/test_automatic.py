@@ -104,7 +104,7 @@ def test_every_preset_gets_a_native_closure_that_its_model_has(blender, lit, lig
             pick = automatic.pick(where, preset)
             assert pick.estimator in BUILDERS[preset.model]
             assert pick.estimator in (("mirror",) if smooth else NATIVE), preset.id
-            assert "%" not in pick.why  # no error is told that was not measured for this very preset
+            assert "%" not in pick.why  # no error figure that was not measured for this preset
 
 
 @pytest.mark.blender

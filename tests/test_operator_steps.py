@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random steps of an artist: no exception, no invalid driver, nothing left behind, materials as if made anew."""
+"""Random steps of an artist: no exception, no invalid driver, nothing left behind, materials like new ones."""
 
 import random
 from pathlib import Path
@@ -199,7 +199,7 @@ class Artist:
         return {one.name for one in (*self.bpy.data.actions, *groups) if not one.users}
 
     def compare(self):
-        """Each material, updated, is what the same preset and numbers make anew, but for what the artist did to it."""
+        """Each material, once updated, equals a new one of its preset and numbers, except for what the artist did."""
         for made in self.ours():
             if material.locked(made):
                 continue
