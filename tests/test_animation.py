@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from vgroove.addon import animation, check, check_time, gonio, headless, images, material, origin, sequence
+from vgroove.addon import animation, check, check_time, gonio, headless, images, material, origin, rebuild, sequence
 from vgroove.addon.animation import AnimationError, Play
 from vgroove.addon.material import Choice, MaterialError, build, lamps_to_bind
 from vgroove.addon.presets import find, parse, shipped
@@ -482,7 +482,7 @@ def test_removing_leaves_the_moment_and_nothing_else(blender, driving, backend):
     assert len(blender.data.actions) == 0
     assert {group.name for group in blender.data.node_groups} == groups
     assert not [text for text in blender.data.texts if "trajectory" in text.name]
-    assert [node.label for node in one.node_tree.nodes if node.label.startswith("Light")] == ["Light 1: SUN 1"]
+    assert [node.label for node in one.node_tree.nodes if node.label.startswith("Light")] == ["Light 1: SUN sized 1"]
 
 
 def test_a_course_can_be_added_again_and_reset(blender):
@@ -490,7 +490,7 @@ def test_a_course_can_be_added_again_and_reset(blender):
     one = made(blender, find(SHORT[0]), start=1.0, length=100.0)
     fresh = shown(one, 51.0)
     animation.retime(material.curves(one), 200.0, 10.0)
-    material.reset(one)
+    rebuild.reset(one, blender.context.scene)
     for name, value in shown(one, 51.0).items():
         np.testing.assert_allclose(value, fresh[name], atol=1e-6)
     assert not material.is_edited(one)
