@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 LIMIT = 8
 SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly a random point on the lamp sends anything
+# 5.2 takes what a driver writes near 0 for 0, which would put a low sun on the horizon. Readers normalise an axis, and
+# a power of two rounds nothing.
+AXIS_SCALE = 65536
 PLAN = "plan"  # beside the arrays of the rig, RIG: what they were written for
 
 
@@ -338,7 +341,7 @@ def _drive_strength(light: Light) -> None:
 def _drive_vector(light: Light, name: str, channel: int, column: int) -> None:
     """A column of the light's matrix: RNA gives it transposed, so that [3] is the light's place."""
     extent: dict[str, str] = {}
-    factor = ""
+    factor = f" * {AXIS_SCALE}" if name == "axis" else ""
     if name == "across":
         extent, factor = {"s": "data.size"}, " * s"
     elif name == "up":  # squares and disks have one size

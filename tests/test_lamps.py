@@ -535,7 +535,7 @@ def told(bpy, entry="SUN 1"):
     graph = bpy.context.evaluated_depsgraph_get()
     graph.update()
     rig = graph.scene_eval[lamps.RIG]
-    return rig[f"{entry} color"][3], tuple(rig.get(f"{entry} axis", ()))
+    return rig[f"{entry} color"][3], tuple(part / lamps.AXIS_SCALE for part in rig.get(f"{entry} axis", ()))
 
 
 def test_a_bound_lamp_is_followed(bound):
