@@ -1,23 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A small builder through which node groups read like the equations they hold.
 
-Sockets are wrapped in ``Value``; arithmetic on values adds Math or Vector Math nodes. Only nodes that Blender 4.5
-and 5.2 share are used here. Comparisons are functions, because an overloaded ``==`` breaks ``in`` and sets.
+Sockets are wrapped in ``Value``; arithmetic on values adds Math or Vector Math nodes. Only nodes that all supported
+Blenders share are used here. Comparisons are functions, because an overloaded ``==`` breaks ``in`` and sets.
 """
 
 from __future__ import annotations
 
 from contextlib import contextmanager
 from math import e
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import bpy
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator
 
-    import bpy
+    from bpy.types import Node, NodeSocket
 
 Number: TypeAlias = "Value | float | tuple[float, float, float]"  # what arithmetic takes
 COLUMN_WIDTH = 190
+OPERANDS = ("Value", "Value_001", "Value_002"), ("Vector", "Vector_001", "Vector_002")  # of Math, of Vector Math
+TAKES = {"number": {"VALUE", "VECTOR", "RGBA"}, "vector": {"VECTOR", "RGBA"}, "shader": {"SHADER"}}
+
+
+class NativeError(RuntimeError):
+    """One of Blender's own nodes has not the socket that is wired here; in one line that says what to do."""
 
 
 class Value:
@@ -68,8 +76,9 @@ class Value:
     @property
     def xyz(self) -> tuple[Value, Value, Value]:
         """The three components."""
-        x, y, z = self.tree.node("ShaderNodeSeparateXYZ", self).outputs
-        return Value(self.tree, x), Value(self.tree, y), Value(self.tree, z)
+        apart = self.tree.node("ShaderNodeSeparateXYZ", Vector=self)
+        x, y, z = (Value(self.tree, output(apart, name)) for name in "XYZ")
+        return x, y, z
 
 
 class Tree:
@@ -178,19 +187,40 @@ class Tree:
         yield
         self._frame = None
 
-    def node(self, kind: str, *inputs: Number, **settings: object) -> bpy.types.Node:
-        """A new node with its properties set and its leading inputs connected."""
+    def node(self, kind: str, **given: Any) -> Node:
+        """A new node of Blender's own: ``Capitalised`` names are inputs, as of ``wire``, and others are settings."""
         node = self.node_tree.nodes.new(kind)
         node.parent = self._frame
-        for name, value in settings.items():
-            setattr(node, name, value)
-        for value, socket in zip(inputs, node.inputs, strict=False):
-            self.connect(value, socket)
+        for name, value in given.items():
+            if not name[0].isupper():
+                setattr(node, name, value)
+        for name, value in given.items():
+            if name[0].isupper():
+                self.wire(node, name, value)
         return node
 
-    def group(self, node_tree: bpy.types.ShaderNodeTree, **inputs: Number) -> bpy.types.Node:
+    def wire(self, node: Node, name: str, value: Number | NodeSocket) -> None:
+        """Give an input of one of Blender's own nodes a value; ``name``: its identifier, '_' for a blank.
+
+        Names on screen and places change from one Blender to the next, identifiers hardly. Raises NativeError where
+        there is no such input, or it is of a type that does not take this value.
+        """
+        found = _named(node.inputs, name)
+        kind = _kind(value)
+        if found is None or found.type not in TAKES[kind]:
+            raise NativeError(_unlike(node, f"input {name.replace('_', ' ')!r} that takes a {kind}"))
+        if kind == "shader":
+            self.node_tree.links.new(value, found)
+        else:
+            self.connect(value, found)
+
+    def nested(self, node_tree: bpy.types.ShaderNodeTree) -> Node:
+        """A nested node group; nothing of it connected yet."""
+        return self.node("ShaderNodeGroup", node_tree=node_tree, label=node_tree.name)
+
+    def group(self, node_tree: bpy.types.ShaderNodeTree, **inputs: Number) -> Node:
         """A nested node group with inputs connected by name ('_' for a blank)."""
-        node = self.node("ShaderNodeGroup", node_tree=node_tree, label=node_tree.name)
+        node = self.nested(node_tree)
         for name, value in inputs.items():
             self.connect(value, node.inputs[name.replace("_", " ")])
         return node
@@ -209,25 +239,21 @@ class Tree:
         """One Math node, or one Vector Math node where an operand is a vector (numbers then count thrice)."""
         vector = any(isinstance(operand, tuple) or getattr(operand, "is_vector", False) for operand in operands)
         kind = "ShaderNodeVectorMath" if vector else "ShaderNodeMath"
-        return Value(self, self.node(kind, *operands, operation=operation).outputs[0])
+        node = self.node(kind, operation=operation, **dict(zip(OPERANDS[vector], operands, strict=False)))
+        return Value(self, output(node, OPERANDS[vector][0]))
 
     def add_shaders(self, sockets: list[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
         """All closures added up; an empty sum is an emission of nothing."""
         if not sockets:
-            return self.node("ShaderNodeEmission", (0.0, 0.0, 0.0)).outputs[0]
+            return output(self.node("ShaderNodeEmission", Color=(0.0, 0.0, 0.0)), "Emission")
         total = sockets[0]
         for socket in sockets[1:]:
-            both = self.node("ShaderNodeAddShader")
-            self.node_tree.links.new(total, both.inputs[0])
-            self.node_tree.links.new(socket, both.inputs[1])
-            total = both.outputs[0]
+            total = output(self.node("ShaderNodeAddShader", Shader=total, Shader_001=socket), "Shader")
         return total
 
     def weighted(self, socket: bpy.types.NodeSocket, weight: Number) -> bpy.types.NodeSocket:
         """A closure scaled by ``weight`` in 0..1: mixed with nothing."""
-        mix = self.node("ShaderNodeMixShader", weight)
-        self.node_tree.links.new(socket, mix.inputs[2])
-        return mix.outputs[0]
+        return output(self.node("ShaderNodeMixShader", Fac=weight, Shader_001=socket), "Shader")
 
     def geometry(self, name: str) -> Value:
         """An output of the Geometry node: Position, Normal, Incoming ..."""
@@ -235,7 +261,7 @@ class Tree:
             frame, self._frame = self._frame, None
             self._cached["geometry"] = self.node("ShaderNodeNewGeometry")
             self._frame = frame
-        return Value(self, self._cached["geometry"].outputs[name])
+        return Value(self, output(self._cached["geometry"], name))
 
     def arrange(self) -> None:
         """Place nodes in columns, each just before what it feeds, so that the group reads from left to right."""
@@ -263,6 +289,35 @@ class Tree:
                     node.location = (column * COLUMN_WIDTH, bottom.get(column, top))
                     bottom[column] = node.location.y - _height(node) - 20
             top = min(bottom.values(), default=top) - 80
+
+
+def _kind(value: Number | NodeSocket) -> str:
+    if isinstance(value, Value):
+        return "vector" if value.is_vector else "number"
+    return "vector" if isinstance(value, tuple) else "number" if isinstance(value, float | int) else "shader"
+
+
+def output(node: Node, name: str) -> NodeSocket:
+    """The output of one of Blender's own nodes; ``name``: its identifier, '_' for a blank.
+
+    Raises NativeError where it has none.
+    """
+    found = _named(node.outputs, name)
+    if found is None:
+        raise NativeError(_unlike(node, f"output {name.replace('_', ' ')!r}"))
+    return found
+
+
+def _named(sockets: bpy.types.bpy_prop_collection[NodeSocket], name: str) -> NodeSocket | None:
+    names = name, name.replace("_", " ")
+    return next((socket for socket in sockets if socket.identifier in names), None)
+
+
+def _unlike(node: Node, what: str) -> str:
+    return (
+        f"the node {node.bl_label} of Blender {bpy.app.version_string} has no {what}; "
+        "take a Blender that vgroove is tested with, or a newer vgroove"
+    )
 
 
 def _tidy(node: bpy.types.Node) -> None:
@@ -298,7 +353,7 @@ def hold(a: Value, low: float, high: float) -> Value:
     """``a`` held within low..high; a number that is not one becomes ``low``."""
     if a.is_vector:
         return minimum(maximum(a, low), high)
-    return Value(a.tree, a.tree.node("ShaderNodeClamp", a, low, high).outputs[0])
+    return Value(a.tree, output(a.tree.node("ShaderNodeClamp", Value=a, Min=low, Max=high), "Result"))
 
 
 def less(a: Value, b: Number) -> Value:
@@ -315,12 +370,10 @@ def select(condition: Value, yes: Number, no: Number) -> Value:
     """``yes`` where the condition is 1, ``no`` where it is 0. Both must be finite."""
     tree = condition.tree
     vector = any(isinstance(v, tuple) or getattr(v, "is_vector", False) for v in (yes, no))
-    data_type = "VECTOR" if vector else "FLOAT"
-    node = tree.node("ShaderNodeMix", condition, data_type=data_type, clamp_factor=True)
-    a, b = (next(item for item in node.inputs if item.enabled and item.name == name) for name in "AB")
-    tree.connect(no, a)
-    tree.connect(yes, b)
-    return Value(tree, next(item for item in node.outputs if item.enabled))
+    kind = "Vector" if vector else "Float"
+    given = {"Factor_Float": condition, f"A_{kind}": no, f"B_{kind}": yes}
+    node = tree.node("ShaderNodeMix", data_type=kind.upper(), clamp_factor=True, **given)
+    return Value(tree, output(node, f"Result_{kind}"))
 
 
 def _scalar(operation: str, a: Value, *more: float) -> Value:
@@ -358,11 +411,12 @@ def absolute(a: Value) -> Value:
 
 def vector(x: Number, y: Number, z: Number) -> Value:
     tree = next(v.tree for v in (x, y, z) if isinstance(v, Value))
-    return Value(tree, tree.node("ShaderNodeCombineXYZ", x, y, z).outputs[0])
+    return Value(tree, output(tree.node("ShaderNodeCombineXYZ", X=x, Y=y, Z=z), "Vector"))
 
 
 def dot(a: Value, b: Number) -> Value:
-    return Value(a.tree, a.tree.node("ShaderNodeVectorMath", a, b, operation="DOT_PRODUCT").outputs["Value"])
+    node = a.tree.node("ShaderNodeVectorMath", operation="DOT_PRODUCT", Vector=a, Vector_001=b)
+    return Value(a.tree, output(node, "Value"))
 
 
 def cross(a: Value, b: Number) -> Value:
@@ -371,9 +425,8 @@ def cross(a: Value, b: Number) -> Value:
 
 def scale(a: Value, factor: Value) -> Value:
     """Vector times number."""
-    node = a.tree.node("ShaderNodeVectorMath", a, operation="SCALE")
-    a.tree.connect(factor, node.inputs["Scale"])
-    return Value(a.tree, node.outputs[0])
+    node = a.tree.node("ShaderNodeVectorMath", operation="SCALE", Vector=a, Scale=factor)
+    return Value(a.tree, output(node, "Vector"))
 
 
 def normalize(a: Value) -> Value:
@@ -381,7 +434,7 @@ def normalize(a: Value) -> Value:
 
 
 def length(a: Value) -> Value:
-    return Value(a.tree, a.tree.node("ShaderNodeVectorMath", a, operation="LENGTH").outputs["Value"])
+    return Value(a.tree, output(a.tree.node("ShaderNodeVectorMath", operation="LENGTH", Vector=a), "Value"))
 
 
 def tangents(n: Value) -> tuple[Value, Value]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ._tree import maximum, vector
+from ._tree import maximum, output, vector
 
 if TYPE_CHECKING:
     from ._tree import Tree
@@ -24,5 +24,5 @@ def build(tree: Tree) -> None:
         r, g, b = a.xyz
         density = maximum(maximum(maximum(r, g), b), 1e-6)
         color = 1.0 - a / vector(density, density, density)
-    volume = tree.node("ShaderNodeVolumeAbsorption", color, density)
-    tree.output_shader("Volume", volume.outputs[0], tip="To the material's Volume")
+    volume = tree.node("ShaderNodeVolumeAbsorption", Color=color, Density=density)
+    tree.output_shader("Volume", output(volume, "Volume"), tip="To the material's Volume")

@@ -44,7 +44,7 @@ def build(
 
 def nested(tree: Tree, group: bpy.types.ShaderNodeTree, prefix: str) -> bpy.types.Node:
     """A use of ``group``, fed from the inputs made for it."""
-    node = tree.node("ShaderNodeGroup", node_tree=group, label=group.name)
+    node = tree.nested(group)
     for socket in node.inputs:
         tree.connect(tree.given((prefix if socket.name in OWN else "") + socket.name), socket)
     return node

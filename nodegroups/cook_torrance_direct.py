@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import beckmann_d, cook_torrance, ensure, fresnel, vgroove_g
-from ._tree import Number, Tree, Value, dot, greater, length, maximum, normalize
+from ._tree import Number, Tree, Value, dot, greater, length, maximum, normalize, output
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import lit, specular_normal
 
@@ -48,7 +48,8 @@ def emission(
     """
     N = specular_normal(tree, inputs.normal)
     radiance = sum(_radiance(tree, kind, inputs, N, wi, irradiance, carried) for wi, irradiance in beams)
-    return tree.node("ShaderNodeEmission", radiance if beams else (0.0, 0.0, 0.0)).outputs["Emission"]
+    emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
+    return output(emitted, "Emission")
 
 
 def emission_osl(

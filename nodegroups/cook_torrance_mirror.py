@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from . import cook_torrance, fresnel
 from . import cook_torrance_direct as direct
-from ._tree import Tree, clamp, dot, maximum, minimum, scale, vector
+from ._tree import Tree, clamp, dot, maximum, minimum, output, scale, vector
 from .lamp_beams import beam_interfaces
 from .shading_normal import specular_normal
 from .visible_facet import visible_facet
@@ -76,6 +76,5 @@ def facet(
     with tree.frame("Times F"):
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
         weight = F * vector(share, share, share) if F.is_vector else F * share
-    mirror = tree.node("ShaderNodeBsdfAnisotropic", weight, 0.0, distribution="BECKMANN")
-    tree.connect(h, mirror.inputs["Normal"])
-    return mirror.outputs["BSDF"]
+    mirror = tree.node("ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Color=weight, Roughness=0.0, Normal=h)
+    return output(mirror, "BSDF")

@@ -19,7 +19,7 @@ OUTPUT = "EEVEE"
 def add_closure(tree: Tree, closure: bpy.types.ShaderNodeTree) -> None:
     """A second output: the group ``closure``, its inputs linked to those of the same name."""
     with tree.frame("What EEVEE shows: Cycles' own closure"):
-        node = tree.node("ShaderNodeGroup", node_tree=closure, label=closure.name)
+        node = tree.nested(closure)
         for socket in node.inputs:
             tree.connect(tree.given(socket.name), socket)
     tree.output_shader(OUTPUT, node.outputs[0], tip="To a Material Output for EEVEE")

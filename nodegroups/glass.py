@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from . import fresnel, osl_script, shading_normal
-from ._tree import Value, clamp, dot, select, vector
+from ._tree import Value, clamp, dot, output, select, vector
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
@@ -67,15 +67,14 @@ def reflectance(tree: Tree, cosine: Value | float, eta: Value, *, thin: bool) ->
 
 def split(tree: Tree, h: Value, R: Value, T: Value, inputs: Inputs, *, thin: bool) -> NodeSocket:
     """A perfect mirror about ``h`` of weight R beside perfect refraction, or no bending if ``thin``, of weight T."""
-    mirror = tree.node("ShaderNodeBsdfAnisotropic", R, 0.0, distribution="BECKMANN")
-    tree.connect(h, mirror.inputs["Normal"])
+    smooth = {"Roughness": 0.0, "Normal": h, "distribution": "BECKMANN"}
+    mirror = tree.node("ShaderNodeBsdfAnisotropic", Color=R, **smooth)
     through = inputs.tint * vector(T, T, T)
     if thin:
-        ahead = tree.node("ShaderNodeBsdfTransparent", through)
+        ahead = tree.node("ShaderNodeBsdfTransparent", Color=through)
     else:
-        ahead = tree.node("ShaderNodeBsdfRefraction", through, 0.0, inputs.eta, distribution="BECKMANN")
-        tree.connect(h, ahead.inputs["Normal"])
-    return tree.add_shaders([mirror.outputs["BSDF"], ahead.outputs["BSDF"]])
+        ahead = tree.node("ShaderNodeBsdfRefraction", Color=through, IOR=inputs.eta, **smooth)
+    return tree.add_shaders([output(mirror, "BSDF"), output(ahead, "BSDF")])
 
 
 def smooth_interface(tree: Tree, inputs: Inputs, *, thin: bool) -> NodeSocket:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..addon.reference.fresnel import F82_COSINE
 from . import glass
-from ._tree import Tree, clamp, dot, sqrt, vector
+from ._tree import Tree, clamp, dot, output, sqrt, vector
 from .shading_normal import specular_normal
 
 if TYPE_CHECKING:
@@ -41,9 +41,8 @@ def build_osl(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
 
 
 def _glass(tree: Tree, inputs: glass.RoughInputs) -> NodeSocket:
-    node = tree.node("ShaderNodeBsdfGlass", inputs.tint, sqrt(inputs.m), inputs.eta, distribution="BECKMANN")
-    tree.connect(inputs.normal, node.inputs["Normal"])
-    return node.outputs["BSDF"]
+    given = {"Color": inputs.tint, "Roughness": sqrt(inputs.m), "IOR": inputs.eta, "Normal": inputs.normal}
+    return output(tree.node("ShaderNodeBsdfGlass", distribution="BECKMANN", **given), "BSDF")
 
 
 def _sheet(tree: Tree, inputs: glass.RoughInputs) -> NodeSocket:
@@ -51,12 +50,11 @@ def _sheet(tree: Tree, inputs: glass.RoughInputs) -> NodeSocket:
         f0 = glass.reflectance(tree, 1.0, inputs.eta, thin=True)
         f82 = glass.reflectance(tree, F82_COSINE, inputs.eta, thin=True)
         tint = f82 / (f0 + (1.0 - f0) * (1.0 - F82_COSINE) ** 5)
-    metallic = tree.node("ShaderNodeBsdfMetallic", distribution="BECKMANN", fresnel_type="F82")
-    tree.connect(vector(f0, f0, f0), metallic.inputs["Base Color"])
-    tree.connect(vector(tint, tint, tint), metallic.inputs["Edge Tint"])
-    tree.connect(sqrt(inputs.m), metallic.inputs["Roughness"])
-    tree.connect(inputs.normal, metallic.inputs["Normal"])
+    metallic = tree.node(
+        "ShaderNodeBsdfMetallic", distribution="BECKMANN", fresnel_type="F82", Base_Color=vector(f0, f0, f0),
+        Edge_Tint=vector(tint, tint, tint), Roughness=sqrt(inputs.m), Normal=inputs.normal,
+    )  # fmt: skip
     N = specular_normal(tree, inputs.normal)
     T = 1.0 - glass.reflectance(tree, clamp(dot(N, tree.geometry("Incoming"))), inputs.eta, thin=True)
-    straight = tree.node("ShaderNodeBsdfTransparent", inputs.tint * vector(T, T, T))
-    return tree.add_shaders([metallic.outputs["BSDF"], straight.outputs["BSDF"]])
+    straight = tree.node("ShaderNodeBsdfTransparent", Color=inputs.tint * vector(T, T, T))
+    return tree.add_shaders([output(metallic, "BSDF"), output(straight, "BSDF")])

@@ -38,11 +38,13 @@ from ._tree import (
     maximum,
     minimum,
     normalize,
+    output,
     scale,
     select,
     sin,
     sqrt,
     tangents,
+    vector,
 )
 from .random_numbers import random_numbers
 
@@ -207,13 +209,12 @@ def build_slot(tree: Tree, slot: Slot, *, shadows: bool, osl: bool) -> None:
     with tree.frame("What the scene tells of the light"):
         node = tree.group(group, **drawn)
         read = {array: _attribute(tree, slot.entry(array)) for array in slot.arrays()}
-        links = {"Color": read["color"].outputs["Color"], "Strength": read["color"].outputs["Alpha"]}
+        links = {"Color": output(read["color"], "Color"), "Strength": output(read["color"], "Alpha")}
         sockets = {"axis": "Axis", "place": "Position", "across": "Across", "up": "Up"}
-        links |= {socket: read[array].outputs["Vector"] for array, socket in sockets.items() if array in read}
+        links |= {socket: output(read[array], "Vector") for array, socket in sockets.items() if array in read}
         if "shape" in read:
-            apart = tree.node("ShaderNodeSeparateXYZ")
-            tree.node_tree.links.new(read["shape"].outputs["Vector"], apart.inputs[0])
-            numbers = (*apart.outputs, read["shape"].outputs["Alpha"])
+            apart = tree.node("ShaderNodeSeparateXYZ", Vector=Value(tree, output(read["shape"], "Vector")))
+            numbers = (*(output(apart, name) for name in "XYZ"), output(read["shape"], "Alpha"))
             links |= dict(zip(_SHAPES[slot.kind, slot.sized], numbers, strict=False))
         for socket, source in links.items():
             tree.node_tree.links.new(source, node.inputs[socket])
@@ -317,10 +318,9 @@ def _unblocked(tree: Tree, wi: Value, distance: Value | None) -> Value:
     with tree.frame("Shadow"):
         ray = tree.node("ShaderNodeRaycast")  # Position unlinked: an offset would leak or freckle
         # Linked through Combine XYZ: Cycles takes a Direction that it thinks unlinked for the normal.
-        through = tree.node("ShaderNodeCombineXYZ", *wi.xyz)
-        tree.node_tree.links.new(through.outputs[0], ray.inputs["Direction"])
-        tree.connect(1e9 if distance is None else distance, ray.inputs["Length"])
+        tree.wire(ray, "Direction", vector(*wi.xyz))
+        tree.wire(ray, "Length", 1e9 if distance is None else distance)
         # On a shared edge the ray may hit the next triangle where it starts, give or take what float32 rounds P.
         start = 1e-6 * (1.0 + length(tree.geometry("Position")))
-        beyond = less(start, Value(tree, ray.outputs["Hit Distance"]))
-        return 1.0 - Value(tree, ray.outputs["Is Hit"]) * beyond
+        beyond = less(start, Value(tree, output(ray, "Hit Distance")))
+        return 1.0 - Value(tree, output(ray, "Is Hit")) * beyond

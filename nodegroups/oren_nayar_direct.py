@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import oren_nayar
-from ._tree import Tree, Value, dot
+from ._tree import Tree, Value, dot, output
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import shading_normal, smoothing
 
@@ -49,7 +49,8 @@ def emission(
         return f - carried(wi) if carried else f
 
     radiance: Value | int = sum(irradiance * lacking(wi) * dot(N, wi) for wi, irradiance in beams)
-    return tree.node("ShaderNodeEmission", radiance if beams else (0.0, 0.0, 0.0)).outputs["Emission"]
+    emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
+    return output(emitted, "Emission")
 
 
 def emission_osl(

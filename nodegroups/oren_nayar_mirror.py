@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from . import oren_nayar
 from . import oren_nayar_direct as direct
-from ._tree import Tree, cos, cross, less, maximum, normalize, scale, select, sin, sqrt
+from ._tree import Tree, cos, cross, less, maximum, normalize, output, scale, select, sin, sqrt
 from .lamp_beams import beam_interfaces
 from .random_numbers import random_numbers
 from .shading_normal import shading_normal, smoothing
@@ -63,6 +63,7 @@ def ray(
     with tree.frame("Weight pi f, a mirror about the half vector"):
         f = oren_nayar.brdf(tree, kind, inputs, N, wi, wo) * smoothing(tree, inputs.normal, wi)
         weight = (maximum(f - carried(wi), 0.0) if carried else f) * pi
-        mirror = tree.node("ShaderNodeBsdfAnisotropic", weight, 0.0, distribution="BECKMANN")
-        tree.connect(normalize(wi + wo), mirror.inputs["Normal"])
-    return mirror.outputs["BSDF"]
+        mirror = tree.node(
+            "ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Color=weight, Roughness=0.0, Normal=normalize(wi + wo)
+        )
+    return output(mirror, "BSDF")

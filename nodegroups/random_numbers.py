@@ -10,7 +10,7 @@ Each is hashed before it meets the next: a sum would lose the digits of the smal
 """
 
 from . import ensure
-from ._tree import Tree, Value, vector
+from ._tree import Tree, Value, output, vector
 
 NAME = "VGroove Random"
 REVISION = 3
@@ -20,10 +20,9 @@ def build(tree: Tree) -> None:
     w = tree.input_float("Stream", 0.0, low=0.0, high=100.0, tip="A number of its own for each independent draw")
     with tree.frame("hash(P, hash(uv, hash(I, hash(seed, stream))))"):
         for brought in (seed(tree), *map(tree.geometry, ("Incoming", "Parametric", "Position"))):
-            noise = tree.node("ShaderNodeTexWhiteNoise", brought, noise_dimensions="4D")
-            tree.connect(w, noise.inputs["W"])
-            w = Value(tree, noise.outputs["Value"])
-    tree.output_vector("Random", Value(tree, noise.outputs["Color"]), tip="Three numbers in 0..1")
+            noise = tree.node("ShaderNodeTexWhiteNoise", noise_dimensions="4D", Vector=brought, W=w)
+            w = Value(tree, output(noise, "Value"))
+    tree.output_vector("Random", Value(tree, output(noise, "Color")), tip="Three numbers in 0..1")
 
 
 def seed(tree: Tree) -> Value:
@@ -36,7 +35,7 @@ def seed(tree: Tree) -> Value:
 
 def _of_scene(tree: Tree, path: str) -> Value:
     node = tree.node("ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name=path)
-    return Value(tree, node.outputs["Fac"])
+    return Value(tree, output(node, "Fac"))
 
 
 def random_numbers(tree: Tree, stream: float | Value) -> tuple[Value, Value, Value]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import ensure
-from ._tree import Tree, Value, clamp, dot, greater, maximum, minimum, normalize, scale, select, sqrt
+from ._tree import Tree, Value, clamp, dot, greater, maximum, minimum, normalize, output, scale, select, sqrt
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -57,10 +57,9 @@ def specular_normal(tree: Tree, given: Value) -> Value:
 def raised(tree: Tree, given: Value, shader: Callable[[Value], NodeSocket]) -> NodeSocket:
     """The shader of ``specular_normal``. Where that is N itself, Cycles runs none of what raises it."""
     node = _specular(tree, given)
-    mix = tree.node("ShaderNodeMixShader", Value(tree, node.outputs["Below"]))
-    for name, socket in zip(("N", "Raised"), mix.inputs[1:], strict=True):
-        tree.node_tree.links.new(shader(Value(tree, node.outputs[name])), socket)
-    return mix.outputs[0]
+    plain, up = (shader(Value(tree, node.outputs[name])) for name in ("N", "Raised"))
+    below = Value(tree, node.outputs["Below"])
+    return output(tree.node("ShaderNodeMixShader", Fac=below, Shader=plain, Shader_001=up), "Shader")
 
 
 def _specular(tree: Tree, given: Value) -> Node:

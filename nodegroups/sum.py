@@ -43,7 +43,7 @@ def build(
     shaders = []
     for part, weight in ((diffuse, d), (specular, s)):
         with tree.frame(part.name):
-            node = tree.node("ShaderNodeGroup", node_tree=part, label=part.name)
+            node = tree.nested(part)
             for socket in node.inputs:
                 tree.connect(tree.given(socket.name), socket)
             shaders.append(tree.weighted(node.outputs[0], weight))

@@ -12,12 +12,11 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import cook_torrance, cook_torrance_albedo
+from ._tree import Tree, output
 from .shading_normal import specular_normal, typical_smoothing
 
 if TYPE_CHECKING:
     import bpy
-
-    from ._tree import Tree
 
 NAME = "VGroove Translucent"
 REVISION = 4
@@ -37,15 +36,13 @@ def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bo
     N = specular_normal(tree, inputs.normal)
     E = cook_torrance_albedo.directional_albedo(tree, kind, inputs, N)
     with tree.frame("Below the surface"):
-        body = tree.node("ShaderNodeSubsurfaceScattering", falloff="RANDOM_WALK")
-        tree.connect(color, body.inputs["Color"])
-        tree.connect(path * (4.0 * pi, 4.0 * pi, 4.0 * pi), body.inputs["Radius"])
-        tree.connect(1.0, body.inputs["Scale"])
-        tree.connect(N if averaged else inputs.normal, body.inputs["Normal"])
+        radius, normal = path * (4.0 * pi, 4.0 * pi, 4.0 * pi), N if averaged else inputs.normal
+        given = {"Color": color, "Radius": radius, "Scale": 1.0, "Normal": normal}
+        body = tree.node("ShaderNodeSubsurfaceScattering", falloff="RANDOM_WALK", **given)
         weight = (1.0 - E) * typical_smoothing(tree, inputs.normal) if averaged else 1.0 - E
-        below = tree.weighted(body.outputs[0], weight)
+        below = tree.weighted(output(body, "BSSRDF"), weight)
     with tree.frame(coat.name):
-        node = tree.node("ShaderNodeGroup", node_tree=coat, label=coat.name)
+        node = tree.nested(coat)
         for socket in node.inputs:
             tree.connect(tree.given(socket.name), socket)
     tree.output_shader("BSDF", tree.add_shaders([below, node.outputs[0]]), tip="To the material's Surface")

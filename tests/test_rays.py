@@ -57,10 +57,9 @@ def test_what_comes_up_more_often_counts_for_fewer():
 def without_parametric(tree):
     """The hash of position and direction alone."""
     stream = tree.input_float("Stream", 0.0, low=0.0, high=100.0, tip="")
-    direction = tree.node("ShaderNodeTexWhiteNoise", tree.geometry("Incoming"), noise_dimensions="4D")
-    noise = tree.node("ShaderNodeTexWhiteNoise", tree.geometry("Position"), noise_dimensions="4D")
-    tree.connect(stream, direction.inputs["W"])
-    tree.connect(Value(tree, direction.outputs["Value"]), noise.inputs["W"])
+    kind = {"kind": "ShaderNodeTexWhiteNoise", "noise_dimensions": "4D"}
+    direction = tree.node(Vector=tree.geometry("Incoming"), W=stream, **kind)
+    noise = tree.node(Vector=tree.geometry("Position"), W=Value(tree, direction.outputs["Value"]), **kind)
     tree.output_vector("Random", Value(tree, noise.outputs["Color"]), tip="")
 
 
