@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..addon.reference import cycles
 from ._tree import Tree
 
 if TYPE_CHECKING:
@@ -18,18 +19,19 @@ if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket
 
 REVISION_KEY = "vgroove_revision"
+CYCLES_KEY = "vgroove_cycles"  # which Cycles a group was built for; older files do not say it
 SOCKETS_KEY = "vgroove_sockets"  # a group's sockets as they were built: identifier -> type and name
 
 
 def ensure(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.ShaderNodeTree:
-    """The node group ``name`` at ``revision``; built if this .blend has none, or only one of another revision.
+    """The node group ``name`` at ``revision`` for the Cycles that runs; built if this .blend has none such.
 
-    An older group, or one whose sockets an artist renamed or removed, keeps serving the materials that use it; Blender
-    gives the new one a numbered name.
+    Another group of that name, or one whose sockets an artist renamed or removed, keeps serving the materials that use
+    it; Blender gives the new one a numbered name.
     """
     for group in bpy.data.node_groups:
         same = group.name.split(".")[0] == name and group.get(REVISION_KEY) == revision and group.library is None
-        if same and _as_built(group) == _sockets(group):
+        if same and cycles_of(group) == cycles.meant() and _as_built(group) == _sockets(group):
             return group
     return make(name, revision, build)
 
@@ -44,8 +46,13 @@ def make(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.S
         bpy.data.node_groups.remove(group)
         raise
     tree.arrange()
-    group[REVISION_KEY], group[SOCKETS_KEY] = revision, _sockets(group)
+    group[REVISION_KEY], group[CYCLES_KEY], group[SOCKETS_KEY] = revision, cycles.meant(), _sockets(group)
     return group
+
+
+def cycles_of(group: bpy.types.ShaderNodeTree) -> str:
+    """Which Cycles a group was built for, one of ``cycles.VERSIONS``."""
+    return str(group.get(CYCLES_KEY, cycles.UNTIL_5_2))
 
 
 def remove_unused(group: bpy.types.ShaderNodeTree) -> None:

@@ -5,23 +5,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import bpy
-
 from ..addon.reference.fresnel import F82_COSINE
+from ..addon.versions import EXACT_CONDUCTOR
 from . import cook_torrance, fresnel
-from ._tree import Number, Tree, Value, sqrt
+from ._tree import Number, Tree, Value, output, sqrt
 
 if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket
 
 NAME = "VGroove Cook-Torrance Closure"
 REVISION = 2
-EXACT_CONDUCTOR = (5, 2, 0)  # earlier Physical Conductors approximate: up to 0.8 % of the peak, half of it at k = 0
-
-
-def has_exact_conductor() -> bool:
-    """Whether this Blender's Metallic BSDF evaluates the conductor's Fresnel term exactly."""
-    return bpy.app.version >= EXACT_CONDUCTOR
 
 
 def build(tree: Tree, kind: str) -> None:
@@ -35,29 +28,27 @@ def lobe(
     anisotropy: Value | None = None, tangent: Value | None = None,
 ) -> NodeSocket:  # fmt: skip
     """Cycles' Metallic BSDF with the Fresnel term of ``kind``."""
-    metallic = tree.node("ShaderNodeBsdfMetallic", distribution="BECKMANN")
-    tree.connect(roughness, metallic.inputs["Roughness"])
-    tree.connect(normal, metallic.inputs["Normal"])
+    metallic = tree.node("ShaderNodeBsdfMetallic", distribution="BECKMANN", Roughness=roughness, Normal=normal)
     if anisotropy is not None and tangent is not None:
-        tree.connect(anisotropy, metallic.inputs["Anisotropy"])
-        tree.connect(tangent, metallic.inputs["Tangent"])
+        tree.wire(metallic, "Anisotropy", anisotropy)
+        tree.wire(metallic, "Tangent", tangent)
     if kind == "schlick":
         _f82(tree, metallic, parameters["f0"], (1.0, 1.0, 1.0))  # with a white edge F82 is Schlick's formula
     elif kind == "f82":
         _f82(tree, metallic, parameters["f0"], parameters["f82_tint"])
-    elif kind == "dielectric" and not has_exact_conductor():
+    elif kind == "dielectric" and not EXACT_CONDUCTOR:
         _f82(tree, metallic, *_f82_of_dielectric(tree, parameters["eta"]))
     else:
         metallic.fresnel_type = "PHYSICAL_CONDUCTOR"
-        tree.connect(parameters["n"] if kind == "conductor" else parameters["eta"], metallic.inputs["IOR"])
-        tree.connect(parameters.get("k", (0.0, 0.0, 0.0)), metallic.inputs["Extinction"])
-    return metallic.outputs["BSDF"]
+        tree.wire(metallic, "IOR", parameters["n"] if kind == "conductor" else parameters["eta"])
+        tree.wire(metallic, "Extinction", parameters.get("k", (0.0, 0.0, 0.0)))
+    return output(metallic, "BSDF")
 
 
 def _f82(tree: Tree, metallic: Node, f0: Value, tint: Number) -> None:
     metallic.fresnel_type = "F82"
-    tree.connect(f0, metallic.inputs["Base Color"])
-    tree.connect(tint, metallic.inputs["Edge Tint"])
+    tree.wire(metallic, "Base Color", f0)
+    tree.wire(metallic, "Edge Tint", tint)
 
 
 def _f82_of_dielectric(tree: Tree, eta: Value) -> tuple[Value, Value]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING
 
+from ..addon.reference.cycles import oren_nayar_power
 from ..addon.reference.oren_nayar_fit import LOST
 from . import ensure
 from ._tree import Tree, Value, dot, greater, length, less, maximum, minimum, scale, select
@@ -38,7 +39,7 @@ def build(tree: Tree) -> None:
     with tree.frame("More: what one bounce loses, from both sides"):
         lost = [1.0 - _albedo(cos, length(across)) for cos, across in ((ni, across_i), (no, across_o))]
         again = lost[0] * lost[1] * (MEAN / (1.0 - MEAN) / pi)
-    f = color * once + color**3 * again / (1.0 - color * (1.0 - MEAN))
+    f = color * once + color ** oren_nayar_power() * again / (1.0 - color * (1.0 - MEAN))
     tree.output_color("f", f * lit, tip="The BRDF in 1/sr; 0 below the surface")
 
 

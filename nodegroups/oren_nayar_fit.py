@@ -14,9 +14,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..addon.reference.cycles import oren_nayar_power
 from . import oren_nayar
-from ._tree import Tree, Value, clamp, dot, maximum, minimum, sqrt
-from .oren_nayar_table import MEAN, TABLES
+from ._tree import Tree, Value, clamp, dot, maximum, minimum, output, sqrt
+from .oren_nayar_table import MEAN, table
 from .polynomial import horner
 from .polynomial import share as share_by_table
 from .shading_normal import average_smoothing, shading_normal
@@ -55,9 +56,8 @@ def closures(
         colors = (colors[0] * share, colors[1] * share)
     sockets = []
     for color, roughness in zip(colors, (0.0, 1.0), strict=True):
-        diffuse = tree.node("ShaderNodeBsdfDiffuse", color, roughness)
-        tree.connect(inputs.normal, diffuse.inputs["Normal"])
-        sockets.append(diffuse.outputs["BSDF"])
+        diffuse = tree.node("ShaderNodeBsdfDiffuse", Color=color, Roughness=roughness, Normal=inputs.normal)
+        sockets.append(output(diffuse, "BSDF"))
     return tree.add_shaders(sockets), colors
 
 
@@ -66,19 +66,19 @@ def weights(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[Value, Va
 
     What depends on sigma alone is folded into constants by Cycles where Sigma is not linked.
     """
-    table = TABLES[kind]
+    of = table(kind)
     x = half_tangent(tree, shading_normal(tree, inputs.normal))
     with tree.frame("The 1994 model's albedo"):
         s2, rho = inputs.sigma * inputs.sigma, inputs.albedo
         facing = s2 / (s2 + 0.09)
-        once = oren_nayar.C1(s2) + facing * horner(table.albedo, x)
+        once = oren_nayar.C1(s2) + facing * horner(of.albedo, x)
         if kind == "full":
             once = once + rho * (0.17 * s2 / (s2 + 0.13))
         energy = minimum(rho * once, 1.0)
     with tree.frame("Retro-reflection, and what albedo it has"):
-        retro = rho * (facing * horner(table.retro, x))
-        single = horner(table.native, x)
-        again = (retro**3 * (MEAN * (1.0 - single))) / (1.0 - retro * (1.0 - MEAN))
+        retro = rho * (facing * horner(of.retro, x))
+        single = horner(of.native, x)
+        again = (retro ** oren_nayar_power() * (MEAN * (1.0 - single))) / (1.0 - retro * (1.0 - MEAN))
         lambert = maximum(energy - (retro * single + again), 0.0)
     return lambert, retro
 
@@ -95,4 +95,4 @@ def share(tree: Tree, kind: str, inputs: oren_nayar.Inputs, N: Value, bound: Val
     x = half_tangent(tree, N)
     with tree.frame("Share of the fit, by the table"):
         s2 = inputs.sigma * inputs.sigma
-        return share_by_table(TABLES[kind].share, 2.0 * x - 1.0, 2.0 * s2 / (s2 + 0.09) - 1.0, bound)
+        return share_by_table(table(kind).share, 2.0 * x - 1.0, 2.0 * s2 / (s2 + 0.09) - 1.0, bound)

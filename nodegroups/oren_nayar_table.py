@@ -5,29 +5,30 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from ..addon.reference import oren_nayar_fit
-from ..addon.reference.oren_nayar_fit import LAMBERT, MEAN, TABLES
+from ..addon.reference import cycles, oren_nayar_fit
+from ..addon.reference.oren_nayar_fit import LAMBERT, MEAN, table
 from .polynomial import horner_text, share_text
 
-__all__ = ["LAMBERT", "MEAN", "TABLES", "header"]
+__all__ = ["LAMBERT", "MEAN", "header", "table"]
 
 
 def header() -> str:
     """What OSL shaders include.
 
-    ``fit_NAME(kind, x)``; ``fit_roughness(kind, i)``, k and c; ``fit_share_at(kind, y, n, bound)``; ``FIT_MEAN`` and
-    ``FIT_LAMBERT``.
+    ``fit_NAME(kind, x)``; ``fit_roughness(kind, i)``, k and c; ``fit_share_at(kind, y, n, bound)``; ``FIT_MEAN``,
+    ``FIT_LAMBERT`` and ``FIT_POWER(c)``, c as light has it that bounced more than once.
     """
     functions = ["// Written from addon/reference/oren_nayar_fit.toml; kind: 0 full, 1 qualitative"]
-    functions += [f"#define FIT_MEAN {MEAN}", f"#define FIT_LAMBERT {LAMBERT}"]
-    full, qualitative = (asdict(TABLES[kind]) for kind in oren_nayar_fit.KINDS)
+    power = " * ".join(["(c)"] * cycles.oren_nayar_power())
+    functions += [f"#define FIT_MEAN {MEAN}", f"#define FIT_LAMBERT {LAMBERT}", f"#define FIT_POWER(c) ({power})"]
+    full, qualitative = (asdict(table(kind)) for kind in oren_nayar_fit.KINDS)
     functions += [
         _by_kind(f"fit_{name}", "float x", _horner(full[name]), _horner(qualitative[name]))
         for name in ("albedo", "retro", "native")
     ]
     k = (f"i == 0 ? {first} : {second}" for first, second in (full["roughness"], qualitative["roughness"]))
     functions.append(_by_kind("fit_roughness", "int i", *k))
-    functions += [share_text(f"fit_share_{kind}", TABLES[kind].share) for kind in oren_nayar_fit.KINDS]
+    functions += [share_text(f"fit_share_{kind}", table(kind).share) for kind in oren_nayar_fit.KINDS]
     both = (f"fit_share_{kind}(y, n, bound)" for kind in oren_nayar_fit.KINDS)
     functions.append(_by_kind("fit_share_at", "float y, float n, float bound", *both))
     return "\n".join(functions) + "\n"

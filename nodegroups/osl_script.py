@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import bpy
 
+from ..addon import versions
 from . import cook_torrance_table, oren_nayar_table, random_numbers
 from ._tree import Number, Tree, Value
 
@@ -31,7 +32,11 @@ class OslError(RuntimeError):
 
 LONGEST_NAME = 50  # Blender keeps 63 bytes of a name, and may add a number
 FOLDER = Path(__file__).parent.parent / "osl"
-TABLES = {"oren_nayar_fit_table.h": oren_nayar_table.header, "cook_torrance_fit_table.h": cook_torrance_table.header}
+TABLES = {
+    "oren_nayar_fit_table.h": oren_nayar_table.header,
+    "cook_torrance_fit_table.h": cook_torrance_table.header,
+    "versions.h": versions.osl_header,
+}
 
 
 def source(shader: str, tables: Mapping[str, str] | None = None) -> str:

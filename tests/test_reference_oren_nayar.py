@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vgroove.addon.reference import OrenNayar, albedo, oren_nayar, oren_nayar_fit, spherical
+from vgroove.addon.reference import OrenNayar, albedo, cycles, oren_nayar, oren_nayar_fit, spherical
 from vgroove.addon.reference.oren_nayar_fit import oren_nayar_hybrid
 from vgroove.addon.reference.quadrature import diffuse_albedo, panels
 
@@ -101,6 +101,17 @@ def test_the_short_form_is_as_far_from_the_full_as_the_page_says():
 # --- Cycles' own model and the fit --------------------------------------------------------------------------------
 
 
+SINCE = {cycles.UNTIL_5_2: "until Blender 5.2", cycles.SINCE_5_3: "from Blender 5.3 on"}
+
+
+@pytest.fixture(params=cycles.VERSIONS)
+def meant(request):
+    """Each Cycles in turn."""
+    with cycles.as_of(request.param):
+        yield request.param
+
+
+@pytest.mark.usefixtures("meant")
 @pytest.mark.parametrize("roughness", [0.0, 0.3, 1.0])
 def test_cycles_diffuse_keeps_the_energy_of_white(roughness):
     """What one bounce loses is returned: albedo 1 but for the rounded average, 2 pi - 5.6; f is reciprocal."""
@@ -125,7 +136,7 @@ def test_fujii_albedo_is_the_integral_of_single_scattering():
 
 @pytest.mark.parametrize(("qualitative", "kind"), KINDS)
 @pytest.mark.parametrize("sigma", SIGMAS)
-def test_fit_keeps_the_albedo_and_is_as_near_as_the_page_says(sigma, qualitative, kind):
+def test_fit_keeps_the_albedo_and_is_as_near_as_the_page_says(meant, sigma, qualitative, kind):
     """The model's albedo, or 1 where that is more, to 0.6 %; L1 by view; no weight negative."""
     for rho in ((0.05, 0.2, 0.5), (0.8, 0.9, 1.0)):
         wo = spherical(np.deg2rad([0.0, 30.0, 60.0, 80.0, 89.0, 89.99]))
@@ -139,7 +150,7 @@ def test_fit_keeps_the_albedo_and_is_as_near_as_the_page_says(sigma, qualitative
         assert (np.array(oren_nayar_fit.weights(wo[:, 2], rho, sigma, qualitative=qualitative)) >= 0.0).all()
     rho = (0.2, 0.5, 0.8)
     model = OrenNayar(rho, sigma, qualitative)
-    row = table(f"## The fit, {kind}")[SIGMAS.index(sigma)]
+    row = table(f"## The fit {SINCE[meant]}, {kind}")[SIGMAS.index(sigma)]
 
     def mixture(wi, wo):
         return oren_nayar_fit.oren_nayar_fit(wi, wo, rho, sigma, qualitative=qualitative)
@@ -161,6 +172,7 @@ def test_fit_is_lambert_without_roughness(qualitative):
     assert lambert.tolist() == [[0.1, 0.5, 1.0]] * 3
 
 
+@pytest.mark.usefixtures("meant")
 @pytest.mark.parametrize("qualitative", [False, True])
 @pytest.mark.parametrize("bound", [0.001, 0.005, 0.02, 0.05])
 def test_hybrid_has_no_more_too_much_than_its_bound(qualitative, bound):

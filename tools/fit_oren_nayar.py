@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from scipy.optimize import brentq, linprog, minimize, minimize_scalar
 from scipy.sparse import csr_matrix, eye, hstack, vstack
 from shares import SHARE_BOUNDS, highest_share
 
-from vgroove.addon.reference import oren_nayar, spherical
+from vgroove.addon.reference import cycles, oren_nayar, spherical
 from vgroove.addon.reference import oren_nayar_fit as fit
 from vgroove.addon.reference.quadrature import diffuse_albedo, panels
 
@@ -148,19 +149,25 @@ def write() -> None:
         "# SPDX-License-Identifier: GPL-3.0-or-later",
         "# Made by tools/fit_oren_nayar.py; meanings in oren_nayar_fit.py",
     ]
-    for kind in fit.KINDS:
-        qualitative = kind == "qualitative"
-        numbers = {
-            "albedo": albedo(qualitative=qualitative),
-            "retro": retro(qualitative=qualitative),
-            "native": native(),
-            "roughness": roughness(qualitative=qualitative),
-        }
-        fit.TABLES[kind] = replace(fit.TABLES[kind], **{name: tuple(values) for name, values in numbers.items()})
-        numbers["share"] = [[[float(f"{c:.9g}") for c in row] for row in rows] for rows in shares(kind)]
-        lines += ["", f"[{kind}]", *(f"{name} = {_wrapped(values)}" for name, values in numbers.items())]
+    for version, kind in product(cycles.VERSIONS, fit.KINDS):
+        with cycles.as_of(version):
+            numbers = _found(fit.TABLES[version], kind)
+        lines += ["", f"[{version}.{kind}]", *(f"{name} = {_wrapped(values)}" for name, values in numbers.items())]
     PATH.write_text("\n".join(lines) + "\n", encoding="utf-8")
     fit.TABLES.update(fit.load(PATH))
+
+
+def _found(tables: dict[str, fit.Table], kind: str) -> dict[str, list]:
+    """The numbers of a kind for the Cycles that is meant."""
+    qualitative = kind == "qualitative"
+    numbers = {
+        "albedo": albedo(qualitative=qualitative),
+        "retro": retro(qualitative=qualitative),
+        "native": native(),
+        "roughness": roughness(qualitative=qualitative),
+    }
+    tables[kind] = replace(tables[kind], **{name: tuple(values) for name, values in numbers.items()})
+    return numbers | {"share": [[[float(f"{c:.9g}") for c in row] for row in rows] for rows in shares(kind)]}
 
 
 def _wrapped(values: list) -> str:
@@ -200,9 +207,10 @@ def largest_share(view: View, f: np.ndarray, near: np.ndarray, bound: float) -> 
 
 def report() -> None:
     """Optimum, fit and plain closure for every sigma and view; the worst of three albedos each."""
-    for kind in fit.KINDS:
+    for version, kind in product(cycles.VERSIONS, fit.KINDS):
+        cycles.mean(version)
         qualitative = kind == "qualitative"
-        print(f"\n{kind}: L1 in % of the best mixture / fit / closure at its roughness / closure at roughness = sigma")
+        print(f"\n{kind}, Cycles {version}: L1 in % of the best mixture / fit / closure at its roughness / at sigma")
         print("theta_o   " + "".join(f"{degrees:^22.0f}" for degrees in THETAS))
         for sigma in SIGMAS:
             cells = []

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import hybrid
+from . import cycles, hybrid
 from .directions import above, as_directions, as_pair, as_range, as_rgb, dot
 from .oren_nayar import oren_nayar
 
@@ -51,15 +51,23 @@ class Table:
     share: tuple[tuple[tuple[float, ...], ...], ...]
 
 
-def load(path: Path) -> dict[str, Table]:
-    """Both kinds' numbers from ``oren_nayar_fit.toml``."""
+def load(path: Path) -> dict[str, dict[str, Table]]:
+    """Both kinds' numbers for each Cycles from ``oren_nayar_fit.toml``."""
     with path.open("rb") as file:
         data: dict[str, Any] = tomllib.load(file)
-    return {kind: Table(**{name: tuple(values) for name, values in data[kind].items()}) for kind in KINDS}
+    return {
+        version: {kind: Table(**{name: tuple(found) for name, found in data[version][kind].items()}) for kind in KINDS}
+        for version in cycles.VERSIONS
+    }
 
 
 KINDS = ("full", "qualitative")
 TABLES = load(Path(__file__).with_suffix(".toml"))
+
+
+def table(kind: str) -> Table:
+    """The numbers of one kind for the Cycles that is meant."""
+    return TABLES[cycles.meant()][kind]
 
 
 def fujii_albedo(cos: ArrayLike, roughness: ArrayLike) -> Floats:
@@ -75,11 +83,11 @@ def fujii_albedo(cos: ArrayLike, roughness: ArrayLike) -> Floats:
 
 
 def cycles_diffuse(wi: ArrayLike, wo: ArrayLike, color: ArrayLike, roughness: ArrayLike) -> Floats:
-    """The BRDF of Cycles' Diffuse BSDF and ``oren_nayar_diffuse_bsdf`` (4.5 and 5.2 alike), in 1/sr, RGB.
+    """The BRDF of Cycles' Diffuse BSDF and ``oren_nayar_diffuse_bsdf``, in 1/sr, RGB.
 
-    f = color (A + B t) + color^3/pi Ea/(1 - Ea) (1 - E(wi)) (1 - E(wo)) / (1 - color (1 - Ea)),
+    f = color (A + B t) + color^p/pi Ea/(1 - Ea) (1 - E(wi)) (1 - E(wo)) / (1 - color (1 - Ea)),
     t = s/max(n.l, n.v) where s = l.v - (n.l)(n.v) > 0, else s; E = ``fujii_albedo``, Ea its average. The second term
-    returns what the first loses, coloured as light that bounced more than once.
+    returns what the first loses, coloured as light that bounced more than once; p is 3 until Blender 5.2, then 2.
 
     wi, wo: unit vectors (..., 3). color: scalar or RGB in [0, 1]. roughness: in [0, 1]. 0 below the surface.
     Source: Fujii's improved model; the second term as measured in Cycles to 1e-6.
@@ -95,14 +103,16 @@ def cycles_diffuse(wi: ArrayLike, wo: ArrayLike, color: ArrayLike, roughness: Ar
     Ea = A * (np.pi + AVERAGE * r)
     lost = (1.0 - fujii_albedo(np.minimum(ni, 1.0), r)) * (1.0 - fujii_albedo(np.minimum(no, 1.0), r))
     again = np.where(r > 0, Ea / np.where(r > 0, 1.0 - Ea, 1.0), 0.0) * lost / np.pi
-    f = rho * once[..., None] + rho**3 * again[..., None] / (1.0 - rho * (1.0 - Ea)[..., None])
+    f = rho * once[..., None] + rho ** cycles.oren_nayar_power() * again[..., None] / (
+        1.0 - rho * (1.0 - Ea)[..., None]
+    )
     return np.where(lit[..., None], f, 0.0)
 
 
 def closure_roughness(sigma: ArrayLike, *, qualitative: bool = False) -> Floats:
     """Roughness of Cycles' own Oren-Nayar that is nearest to ``sigma``: min(1, k s2/(s2 + c)); 0 below ``LAMBERT``."""
     s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))
-    k, c = TABLES[KINDS[qualitative]].roughness
+    k, c = table(KINDS[qualitative]).roughness
     roughness = np.minimum(1.0, k * s2 / (s2 + c))
     return np.where(roughness < LAMBERT, 0.0, roughness)
 
@@ -118,19 +128,20 @@ def weights(
     x = half_tangent(as_range(cos_o, "cos_o", 0.0, 1.0))[..., None]
     rho = as_rgb(albedo, "albedo", 0.0, 1.0) * np.ones(3)
     s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))[..., None]
-    table = TABLES[KINDS[qualitative]]
+    of = table(KINDS[qualitative])
     facing = s2 / (s2 + 0.09)
-    once = 1.0 - 0.5 * s2 / (s2 + 0.33) + facing * polynomial(table.albedo, x)
+    once = 1.0 - 0.5 * s2 / (s2 + 0.33) + facing * polynomial(of.albedo, x)
     twice = 0.0 if qualitative else 0.17 * s2 / (s2 + 0.13)  # its cos p averages out
-    retro = rho * facing * polynomial(table.retro, x)
+    retro = rho * facing * polynomial(of.retro, x)
     energy = np.minimum(rho * (once + rho * twice), 1.0)
-    return np.maximum(energy - native_albedo(table, x, retro), 0.0), retro
+    return np.maximum(energy - native_albedo(of, x, retro), 0.0), retro
 
 
-def native_albedo(table: Table, x: Floats, color: Floats) -> Floats:
+def native_albedo(of: Table, x: Floats, color: Floats) -> Floats:
     """Directional albedo of Cycles' Oren-Nayar of roughness 1 and ``color``: the integral of ``cycles_diffuse``."""
-    single = polynomial(table.native, x)
-    return color * single + color**3 * MEAN * (1.0 - single) / (1.0 - color * (1.0 - MEAN))
+    single = polynomial(of.native, x)
+    again = color ** cycles.oren_nayar_power() * MEAN * (1.0 - single) / (1.0 - color * (1.0 - MEAN))
+    return color * single + again
 
 
 MEAN = (np.pi + AVERAGE) / (np.pi + LOST)  # Ea at roughness 1
@@ -166,8 +177,8 @@ def hybrid_share(wo: ArrayLike, sigma: ArrayLike, bound: ArrayLike, *, qualitati
     """
     x = half_tangent(np.clip(as_directions(wo, "wo")[..., 2], 0.0, 1.0))
     s2 = np.square(as_range(sigma, "sigma", 0.0, np.pi / 2))
-    table = TABLES[KINDS[qualitative]]
-    return hybrid.share(np.array(table.share), 2.0 * x - 1.0, 2.0 * s2 / (s2 + 0.09) - 1.0, bound)
+    of = table(KINDS[qualitative])
+    return hybrid.share(np.array(of.share), 2.0 * x - 1.0, 2.0 * s2 / (s2 + 0.09) - 1.0, bound)
 
 
 def oren_nayar_hybrid(

@@ -73,7 +73,7 @@ def write(folder: Path, found: list[Run]) -> Iterator[Path]:
 
 
 def _rows(found: list[Run], cell: str, name: str) -> list[list[Any]]:
-    """Of the newest Blender: what is computed does not depend on it."""
+    """Of the default Blender: what is computed does not depend on it."""
     return next(run.tables[cell][name]["rows"] for run in found if cell in run.tables)
 
 
@@ -99,7 +99,7 @@ def _markdown(columns: Any, rows: Any) -> str:
 
 
 def _summary(found: list[Run]) -> str:
-    """Of the newest Blender; a report has the others'."""
+    """Of the default Blender; a report has the others'."""
     lines = [f"- {line}" for line in summary.headlines(found[0])]
     return "\n".join([f"Blender {found[0].blender}:", "", *lines])
 
@@ -266,6 +266,8 @@ FIGURES: dict[str, Callable[[list[Run]], str]] = {
     "oren_nayar.short": _table("oren_nayar", "short", ".2f", "%"),
     "oren_nayar.full": _table("oren_nayar", "full", ".2f", "%"),
     "oren_nayar.qualitative": _table("oren_nayar", "qualitative", ".2f", "%"),
+    "oren_nayar.full_5_3": _table("oren_nayar", "full_5_3", ".2f", "%"),
+    "oren_nayar.qualitative_5_3": _table("oren_nayar", "qualitative_5_3", ".2f", "%"),
     "oren_nayar.weight": _extreme("weight", ".1f"),
     "oren_nayar.albedo": _extreme("albedo", ".2f"),
     "keys.keys": _table("keys", "keys", ""),

@@ -20,7 +20,7 @@ void fit_colors(int kind, float x, float kept, color albedo, float sigma, output
 
     retro = albedo * (facing * fit_retro(kind, x));
     float single = fit_native(kind, x);
-    color again = retro * retro * retro * (FIT_MEAN * (1 - single)) / (1 - retro * (1 - FIT_MEAN));
+    color again = FIT_POWER(retro) * (FIT_MEAN * (1 - single)) / (1 - retro * (1 - FIT_MEAN));
     lambert = kept * max(energy - (retro * single + again), color(0));
     retro *= kept;
 }
@@ -47,7 +47,7 @@ color cycles_diffuse(vector wi, vector wo, normal n, color c)
     vector across_i = wi - ni * n, across_o = wo - view * n;
     float s = dot(across_i, across_o) + ni * min(view, 0), once = FIT_A * (1 + (s > 0 ? s / max(ni, no) : s));
     float lost = (1 - fujii_albedo(ni, length(across_i))) * (1 - fujii_albedo(no, length(across_o)));
-    color again = c * c * c * (FIT_MEAN / (1 - FIT_MEAN) * lost / M_PI) / (1 - c * (1 - FIT_MEAN));
+    color again = FIT_POWER(c) * (FIT_MEAN / (1 - FIT_MEAN) * lost / M_PI) / (1 - c * (1 - FIT_MEAN));
     return c * once + again;
 }
 

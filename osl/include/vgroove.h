@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // D, G and F as in addon/reference; shared by the shaders, and written into their text when a material is made.
+#include "versions.h"
 
 // Walter et al. 2007, eq. 25
 float beckmann_d(vector h, normal n, float m)
@@ -49,6 +50,12 @@ float fresnel_dielectric(float cosine, float eta)
     float s = (g - c) / (g + c);
     float p = (c * (g + c) - 1) / (c * (g - c) + 1);
     return 0.5 * s * s * (1 + p * p);
+}
+
+// The IOR that Cycles' refracting closures are to be given: of what lies ahead, but where they turn it over themselves
+float closure_ior(float eta)
+{
+    return backfacing() && !CYCLES_TURNS_IOR ? 1 / eta : eta;
 }
 
 // A thin loss-less sheet: both faces, with all reflections between them

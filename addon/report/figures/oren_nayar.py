@@ -8,11 +8,12 @@ model has at its extremes: the weight of ``mirror``, pi f, and the light that wh
 from __future__ import annotations
 
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...reference import oren_nayar, spherical
+from ...reference import cycles, oren_nayar, spherical
 from ...reference.oren_nayar_fit import KINDS, closure_roughness, cycles_diffuse, oren_nayar_fit
 from ...reference.quadrature import diffuse_albedo, panels
 from . import Table, table
@@ -29,11 +30,13 @@ NODES = 24  # quadrature in each angle; more move no figure that is told
 
 
 def tables() -> dict[str, Table]:
-    """The qualitative form against the full one; ``fit`` and ``closure`` against each."""
+    """The qualitative form against the full one; ``fit`` and ``closure`` against each, by each Cycles."""
     found = {"short": table(["sigma", *(f"{view:g}" for view in SHORT_VIEWS)], [short(sigma) for sigma in SIGMAS])}
     columns = ["sigma", *(f"{name} {view:g}" for name in ("fit", "closure") for view in VIEWS)]
-    for qualitative, kind in enumerate(KINDS):
-        found[kind] = table(columns, [near(sigma, qualitative=bool(qualitative)) for sigma in SIGMAS])
+    for version, kind in product(cycles.VERSIONS, KINDS):
+        name = kind if version == cycles.UNTIL_5_2 else f"{kind}_5_3"
+        with cycles.as_of(version):
+            found[name] = table(columns, [near(sigma, qualitative=kind == "qualitative") for sigma in SIGMAS])
     found["extremes"] = table(["weight", "albedo"], [[heaviest(), brightest()]])
     return found
 
