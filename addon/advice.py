@@ -10,17 +10,19 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..nodegroups import cook_torrance_closure, lamp
-from . import facts, lamps, rays
+from ..nodegroups import lamp
+from . import facts, lamps, rays, versions
 from .material import (
     BUILDERS,
     EVERY_LAMP,
     NATIVE,
     RANDOM,
     binds,
+    is_of_other_cycles,
     locked,
 )
 from .rebuild import rebuild
+from .reference import cycles
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -97,7 +99,7 @@ def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estim
             found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
     if preset.model == "glass" and preset.kind != "thin":  # a sheet has no inside
         found += _bounce_problems(known.scene)
-    return [*found, *_stale_problems(known)]
+    return [*found, *cycles_problems(known.scene), *_stale_problems(known)]
 
 
 def name_of(estimator: str) -> str:
@@ -142,11 +144,29 @@ def _is_thinner(preset: Preset) -> bool:
 
 def native_fresnel_error(kind: str, backend: str) -> float:
     """How far the Fresnel term of Cycles' own lobes may be off on this Blender, as a reflectance; 0 if it is exact."""
-    if cook_torrance_closure.has_exact_conductor() or kind not in {"conductor", "dielectric"}:
+    if versions.EXACT_CONDUCTOR or kind not in {"conductor", "dielectric"}:
         return 0.0
     if kind == "conductor":
         return 0.01
     return 0.035 if backend == "nodes" else 0.0
+
+
+def cycles_problems(scene: Scene) -> Iterator[Problem]:
+    """All materials of the file that were built for a Cycles that renders them otherwise, as one problem."""
+    found = [made for made in bpy.data.materials if is_of_other_cycles(made)]
+    if found:
+        before = cycles.meant() == cycles.SINCE_5_3
+        where = "5.2 or earlier" if before else "5.3 or later"
+        names = ", ".join(one.name for one in found)
+        text = f"Built by Blender {where}, and rendered otherwise here until updated: {names}"
+        mendable = [made for made in found if not locked(made)]
+        mend = partial(_update_all, mendable, scene) if mendable else None
+        yield Problem("cycles", text, "Update" if mend else "", mend)
+
+
+def _update_all(found: Sequence[Material], scene: Scene) -> None:
+    for made in found:
+        rebuild(made, scene)
 
 
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:

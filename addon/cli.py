@@ -933,6 +933,10 @@ def _with_blender() -> None:
         headless.prepare()
     except ImportError as error:
         raise InputError(str(error)) from error
+    from . import versions
+
+    if text := versions.untested():
+        err.print(f"vgroove: {text}", style="yellow", highlight=False, soft_wrap=True, markup=False)
 
 
 def _versions() -> dict[str, str]:

@@ -38,11 +38,12 @@ from ..nodegroups import (
     translucent,
 )
 from ..nodegroups import sum as sum_group
-from . import animation, colour_space, origin, roles
+from . import animation, colour_space, origin, roles, versions
 from . import lamps as lamp_binding
 from .origin import Record
 from .preset_checks import M_RANGE, base_name
 from .presets import TRANSPARENT, Preset
+from .reference import cycles
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 from .timeline import Timeline
 
@@ -88,7 +89,7 @@ RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
 MOST_LIGHTS = {
     ("car_paint", "corrected"): 1, ("car_paint", "hybrid"): 1, ("sum", "corrected"): 3, ("sum", "hybrid"): 5,
 }  # fmt: skip
-if bpy.app.version < (5, 0, 0):  # goes with 4.5 LTS
+if not versions.since(5, 0):
     MOST_LIGHTS = {
         ("car_paint", "corrected"): 2, ("car_paint", "hybrid"): 2, ("car_paint", "direct"): 6, ("sum", "corrected"): 4,
         ("translucent", "corrected"): 4, ("cook_torrance", "corrected"): 3, ("oren_nayar", "corrected"): 6,
@@ -215,9 +216,7 @@ def _is_built_so(material: Material, record: Record, group: ShaderNodeTree) -> b
 
 def fill(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree) -> None:
     """The material as it is at the start of its course."""
-    if bpy.app.version < (5, 0, 0):  # 4.5 has no tree until use_nodes is set; 5.x warns when it is. Goes with 4.5 LTS.
-        material.use_nodes = True
-    tree = material.node_tree
+    tree = versions.nodes_of(material)
     tree.nodes.clear()
     node = add_model(material, preset, choice, group)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -394,6 +393,20 @@ def upgrade(material: Material) -> Record:
         record = replace(record, state="" if edited else state_of(material))
         origin.write(material, record)
     return record
+
+
+def is_of_other_cycles(material: Material) -> bool:
+    """Whether a material was built for a Cycles that renders it otherwise than the one that runs.
+
+    By Blender 5.3 Cycles' own Oren-Nayar changed, and what OSL's closures of glass make of the IOR.
+    """
+    kept, node = origin.read(material), roles.node(material, roles.MODEL)
+    if kept is None or node is None or nodegroups.cycles_of(node.node_tree) == cycles.meant():
+        return False
+    preset = kept.preset
+    models = {preset.model, *(part.model for part in preset.parts().values())}
+    borrows = kept.estimator in {*NATIVE, "corrected", "hybrid"}
+    return ("oren_nayar" in models and borrows) or (preset.model == "glass" and kept.backend == "osl")
 
 
 def locked(material: Material) -> str:

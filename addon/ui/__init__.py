@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from .. import colour_update, follow, presets
-from . import course, operators, panels, preferences, properties, thumbnails, watch
+from . import course, opened, operators, panels, preferences, properties, thumbnails, watch
 
 _registered = ExitStack()
 
@@ -34,6 +34,8 @@ def register() -> None:
         undo.callback(delattr, bpy.types.Scene, "vgroove_course")
         follow.register()
         undo.callback(follow.unregister)
+        opened.register()
+        undo.callback(opened.unregister)
         _registered.enter_context(undo.pop_all())
 
 

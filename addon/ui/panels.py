@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import material, presets
+from .. import material, presets, versions
 from . import memory, operators, properties, watch
 from .preferences import ROOT
 from .text import lines
@@ -45,6 +45,8 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
         row.operator("vgroove.apply", icon="MATERIAL")
         if picked.why:
             lines(layout, picked.why[0].upper() + picked.why[1:], context.region.width)
+        if text := versions.untested():
+            lines(layout, text, context.region.width, icon="INFO")
         for error in presets.refused()[:1]:
             lines(layout, f"Left out of your presets: {error}", context.region.width, icon="ERROR")
 

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tells of materials in a file just opened that another Blender built and this one renders otherwise."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import advice
+from .text import lines
+
+WIDTH = 420
+
+
+def draw(popup: bpy.types.Menu, context: bpy.types.Context) -> None:
+    """The problem, in words, and the button that mends it."""
+    for problem in advice.cycles_problems(context.scene):
+        lines(popup.layout, problem.text, WIDTH)
+        if problem.mend:
+            popup.layout.operator("vgroove.mend", text=problem.button, icon="FILE_REFRESH").key = problem.key
+
+
+@bpy.app.handlers.persistent
+def _on_file(*_: object) -> None:
+    """Tell it once Blender has a window to tell it in; on the console where it has none."""
+    found = list(advice.cycles_problems(bpy.context.scene))
+    for problem in found:
+        print(f"V-Groove: {problem.text}")
+    if found and not bpy.app.background:
+        bpy.app.timers.register(_tell, first_interval=0.1)
+
+
+def _tell() -> None:
+    bpy.context.window_manager.popup_menu(draw, title="V-Groove", icon="INFO")
+
+
+def register() -> None:
+    """Look at each file that is opened."""
+    bpy.app.handlers.load_post.append(_on_file)
+
+
+def unregister() -> None:
+    """No longer."""
+    bpy.app.handlers.load_post.remove(_on_file)
+    if bpy.app.timers.is_registered(_tell):
+        bpy.app.timers.unregister(_tell)
