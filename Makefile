@@ -4,23 +4,28 @@ export UV_PYTHON_DOWNLOADS ?= never
 UV := $(shell command -v uv 2>/dev/null || echo .tools/uv/bin/uv)
 RUN = $(UV) run --quiet
 RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
+RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
 
-.PHONY: demo test test-4.5 test-all lint check report documents previews assets package clean
+.PHONY: demo test test-4.5 test-5.3 test-all lint check report across documents previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
 
-test test-4.5 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
+test test-4.5 test-5.3 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
 
-test: | $(UV)  ## every test, on Blender 5.2; of grids of renders each value
+test: | $(UV)  ## every test, on Blender 5.2 LTS; of grids of renders each value
 	$(RUN) pytest -n auto
 
-test-4.5: | $(UV)  ## the same on Blender 4.5
+test-4.5: | $(UV)  ## on Blender 4.5 LTS, what depends on the Blender
 	$(RUN_45) pytest -n auto
 
-test-all: | $(UV)  ## every row of every grid, on both
+test-5.3: | $(UV)  ## on Blender 5.3
+	$(RUN_53) pytest -n auto
+
+test-all: | $(UV)  ## every row of every grid, on all three
 	$(RUN) pytest -n auto --cover 0
 	$(RUN_45) pytest -n auto --cover 0
+	$(RUN_53) pytest -n auto --cover 0
 
 lint: | $(UV)  ## format, lint, types
 	$(RUN) ruff format --check .
@@ -30,10 +35,17 @@ lint: | $(UV)  ## format, lint, types
 check: | $(UV)  ## every model x estimator x backend, Cycles against NumPy
 	$(RUN) vgroove check
 
-report: | $(UV)  ## error against run time, stability, what was left out: numbers, plots, a page; both Blenders in one
-	@failed=0; $(RUN) vgroove report -o build/report || failed=$$?; \
+report: | $(UV)  ## error against run time, stability, what was left out: numbers, plots, a page; all Blenders in one
+	@failed=0; for run in "$(RUN)" "$(RUN_53)"; do \
+	env $$run vgroove report -o build/report || failed=$$?; done; \
 	if $(UV) python find --quiet 3.11 >/dev/null; then $(RUN_45) vgroove report -o build/report || failed=$$?; \
 	else echo "no Python 3.11: Blender 4.5 is left out"; fi; exit $$failed
+
+across: | $(UV)  ## twenty presets by each Blender, and how far apart they are
+	$(RUN) python tools/across_blenders.py render build/across
+	$(RUN_53) python tools/across_blenders.py render build/across
+	$(RUN_45) python tools/across_blenders.py render build/across
+	$(RUN) python tools/across_blenders.py compare build/across
 
 documents: | $(UV)  ## what `make report` measured into docs/, and its figures into the pages that tell them
 	cp build/report/report.json docs/report.json
@@ -44,6 +56,7 @@ previews: | $(UV)  ## a picture of every preset that has none yet or has changed
 
 assets: previews  ## every preset for the Asset Browser, a file for each Blender that there is a Python for
 	$(RUN) python tools/assets.py
+	$(RUN_53) python tools/assets.py
 	@if $(UV) python find --quiet 3.11 >/dev/null; then $(RUN_45) python tools/assets.py; \
 	else echo "no Python 3.11: the library for Blender 4.5 is left out"; fi
 
@@ -55,4 +68,4 @@ package: assets  ## the extension as dist/vgroove-VERSION.zip, built and validat
 	.tools/uv/bin/pip install --quiet uv==0.13.9
 
 clean:
-	rm -rf build dist previews assets .cache .tools .venv .venv-4.5
+	rm -rf build dist previews assets .cache .tools .venv .venv-4.5 .venv-5.3

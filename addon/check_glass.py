@@ -14,7 +14,7 @@ import numpy as np
 
 from .. import nodegroups
 from ..nodegroups import glass_closure, glass_mirror
-from . import check, gonio, headless
+from . import check, gonio, headless, versions
 from .reference import Glass, glass_btdf, reflect, smith_g, vgroove_g1
 from .reference.directions import dot
 from .reference.glass import pane, refraction_facet, transmitted_g
@@ -58,9 +58,7 @@ def material(
     name = f"{module.NAME}{' Sheet' * thin}{' Smooth' * (m == 0)}{' (OSL)' * (setup.backend == 'osl')}"
     group = nodegroups.ensure(name, module.REVISION, partial(make, thin=thin, smooth=m == 0))
     made = bpy.data.materials.new(name)
-    if bpy.app.version < (5, 0, 0):  # 4.5 has no tree until use_nodes is set; 5.x warns when it is. Goes with 4.5 LTS.
-        made.use_nodes = True
-    tree = made.node_tree
+    tree = versions.nodes_of(made)
     tree.nodes.clear()
     node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
     node.node_tree = group

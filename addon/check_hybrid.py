@@ -10,11 +10,10 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-import bpy
 import numpy as np
 from scipy.special import erfc
 
-from . import gonio
+from . import gonio, versions
 from .check import CLOSURE_SLOPES, SETUPS, Row, Setup, materials, native_row, side_by_side
 from .check_seeds import furnace_directions, furnace_view, sun_view
 from .reference import albedo, cook_torrance
@@ -37,10 +36,9 @@ SUN_ANGLE = 20.0
 SUN_THETAS = (20.0, 70.0)
 SUN_SAMPLES = {"corrected": 512, "hybrid": 2048}
 MIRRORED = 0.2  # of hybrid at that slope, at least
-# Lobes whose normal leans from the surface's send back more in Blender 4.5 than their formula: those of ``fit`` this
-# share, times m, in the mean over views. A test holds it to what they do, to a fifth. Slopes to NARROW do so at grazing
-# views alone, which are noisy and weigh next to nothing in a row.
-LEANING, NARROW = 1e-3 if bpy.app.version < (5, 0, 0) else 0.0, 0.3
+# A test holds ``versions.LEANING`` to what such lobes do in the mean over views, to a fifth. Slopes to NARROW do so at
+# grazing views alone, which are noisy and weigh next to nothing in a row.
+NARROW = 0.3
 NOISY_ROWS = 13  # rows of the plan that are judged by Z-tests; a test holds it to the plan
 
 
@@ -51,7 +49,7 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     coarse, fine = furnace_excess(F, m)
     wo = furnace_directions()
     expected = albedo(preset.reference(), wo) + fine
-    more = LEANING * m if m > NARROW else 0.0
+    more = versions.LEANING * m if m > NARROW else 0.0
     leaning = more * hybrid_share(wo, m, DEFAULT_BOUND)[:, None] * expected  # in the mean, and as much for doubt
     # Two grids apart by as much say how well the reference is known.
     view = furnace_view(preset, setup, "hybrid", expected + leaning, doubt=np.hypot(fine - coarse, leaning))

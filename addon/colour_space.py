@@ -28,6 +28,7 @@ import bpy
 import numpy as np
 from mathutils import Color
 
+from . import versions
 from .preset_checks import RANGES, RGB, base_name
 from .reference.fresnel import F82_COSINE, fresnel_conductor, schlick
 from .reference.keyframes import Keyframes
@@ -63,7 +64,7 @@ def name() -> str:
     """What EXR files call the open file's working space; empty where it has no such name."""
     if is_same(matrix(), REC709):
         return OF_REC709
-    return str(bpy.data.colorspace.working_space_interop_id) if bpy.app.version >= (5, 0, 0) else ""
+    return str(bpy.data.colorspace.working_space_interop_id) if versions.since(5, 0) else ""
 
 
 def is_same(a: Floats, b: Floats) -> bool:

@@ -18,7 +18,7 @@ import bpy
 from mathutils import Vector
 
 from ..nodegroups import REVISION_KEY
-from . import lamps, rays, roles
+from . import lamps, rays, roles, versions
 from .material import NATIVE, bindable, bound_slots, is_ours, origin_of
 from .presets import TRANSPARENT
 
@@ -182,7 +182,7 @@ def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
         item: _materials(item) for item in found if item.type in SURFACES or item.type == "VOLUME"
     }
     for material in {one for used in materials.values() for one in used}:
-        tree = None if is_ours(material) else _tree_of(material)
+        tree = None if is_ours(material) else versions.used_nodes(material)
         looks[material] = Traits() if tree is None else _traits(tree, of_trees)
     shining = {item: max((looks[one].strength for one in used), default=0.0) for item, used in materials.items()}
     middle = _middle([item for item, strength in shining.items() if strength == 0.0])
@@ -291,8 +291,8 @@ def _referred_to(evaluated: Object) -> Iterator[Object]:
 
 
 def _given(modifier: Any) -> list[object]:
-    """What a Geometry Nodes modifier gives to its group. 4.5 keeps it in custom properties; goes with 4.5 LTS."""
-    if bpy.app.version < (5, 0, 0):
+    """What a Geometry Nodes modifier gives to its group. 4.5 keeps it in custom properties."""
+    if not versions.since(5, 0):
         return list(modifier.values())
     inputs = modifier.properties.inputs
     sockets = (getattr(inputs, one.identifier) for one in inputs.bl_rna.properties)
@@ -337,11 +337,6 @@ def _is_small(item: Object, middle: Vector) -> bool:
 
 def _materials(item: Object) -> list[Material]:
     return [slot.material for slot in item.material_slots if slot.material is not None]
-
-
-def _tree_of(owner: Material | bpy.types.World) -> NodeTree | None:
-    """Its nodes, if it uses them. 5.x always does and warns when it is asked; 4.5 may not. Goes with 4.5 LTS."""
-    return owner.node_tree if bpy.app.version >= (5, 0, 0) or owner.use_nodes else None
 
 
 def _traits(tree: NodeTree, known: dict[NodeTree, Traits]) -> Traits:
@@ -405,7 +400,7 @@ def _sky(world: bpy.types.World | None, known: dict[NodeTree, Traits]) -> Sky:
     if world is None:
         return Sky()
     sampled = world.cycles.sampling_method != "NONE"
-    tree = _tree_of(world)
+    tree = versions.used_nodes(world)
     if tree is None:
         return Sky("even" if any(world.color) else "", sampled=sampled)
     nodes = list(_deeply(tree, set()))

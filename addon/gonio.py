@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 
 from ..nodegroups.osl_script import text_block, tidy
-from . import colour_space
+from . import colour_space, versions
 from .images import pixels
 from .material import Choice, build, lamps_to_bind
 from .reference.hybrid import DEFAULT_BOUND
@@ -202,12 +202,11 @@ def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: 
 def light(scene: Scene, geometry: Geometry) -> tuple[Object, ...]:
     """The sun at theta_i, so strong that a BRDF of f gives a radiance of f; or a uniform white world and no lamp."""
     world = scene.world
-    if bpy.app.version < (5, 0, 0):  # as for materials; goes with 4.5 LTS
-        world.use_nodes = True
-    background = world.node_tree.nodes.get("Background") or world.node_tree.nodes.new("ShaderNodeBackground")
-    output = next((n for n in world.node_tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"), None)
-    output = output or world.node_tree.nodes.new("ShaderNodeOutputWorld")
-    world.node_tree.links.new(background.outputs[0], output.inputs["Surface"])
+    tree = versions.nodes_of(world)
+    background = tree.nodes.get("Background") or tree.nodes.new("ShaderNodeBackground")
+    output = next((n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"), None)
+    output = output or tree.nodes.new("ShaderNodeOutputWorld")
+    tree.links.new(background.outputs[0], output.inputs["Surface"])
     level = 1.0 if geometry.furnace else 0.0
     background.inputs["Color"].default_value = (level, level, level, 1.0)
     if geometry.furnace and geometry.lit != "all":

@@ -24,9 +24,7 @@ def prepare() -> None:
     """
     found = importlib.util.find_spec("bpy")
     if found is None or found.origin is None:
-        message = (
-            "the module bpy is not installed; install vgroove with Python 3.13 (Blender 5.2) or 3.11 (Blender 4.5)"
-        )
+        message = "the module bpy is not installed; install vgroove with Python 3.13 (Blender 5) or 3.11 (Blender 4.5)"
         raise ImportError(message)
     folder = next(Path(found.origin).parent.glob("*/python/lib/python*/site-packages"))
     if str(folder) not in sys.path:

@@ -23,6 +23,7 @@ import bpy
 from mathutils import Matrix, Vector
 
 from ..nodegroups.lamp import AREAS, RIG, Slot
+from . import versions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -84,9 +85,7 @@ def refusal(light: Light | Object) -> str | None:
 
 def _refusals(light: Light) -> Iterator[str]:  # noqa: C901 - one condition a refusal
     lamp, data, matrix = light.item, light.item.data, light.matrix
-    # 5.x warns when use_nodes is read and always uses the tree; 4.5 may have one that is switched off.
-    uses_nodes = data.node_tree is not None and (bpy.app.version >= (5, 0, 0) or data.use_nodes)
-    if uses_nodes and _has_own_nodes(data.node_tree):
+    if (tree := versions.used_nodes(data)) is not None and _has_own_nodes(tree):
         yield "has a node tree, which the formula cannot follow; switch its Use Nodes off"
     if lamp.light_linking.receiver_collection:
         yield 'has light linking, which the formula cannot follow; clear it, or use "closure"'

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from . import versions
 from .colour_update import refresh_all
 from .files import one_root, replacing
 from .follow import refresh
@@ -105,9 +106,7 @@ def _floor(scene: Scene) -> None:
     mesh = bpy.data.meshes.new("Floor")
     mesh.from_pydata([(-40, -40, 0), (40, -40, 0), (40, 40, 0), (-40, 40, 0)], [], [(0, 1, 2, 3)])
     material = bpy.data.materials.new("Floor")
-    if bpy.app.version < (5, 0, 0):  # as in material.py; goes with 4.5 LTS
-        material.use_nodes = True
-    tree = material.node_tree
+    tree = versions.nodes_of(material)
     tree.nodes.clear()
     diffuse, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
     diffuse.inputs["Color"].default_value = (0.18, 0.18, 0.18, 1.0)
@@ -128,9 +127,7 @@ def add_sun(scene: Scene, energy: float = 1.6) -> None:
 def light_by(scene: Scene, image: Path, strength: float = 1.0) -> None:
     """Make an environment map the scene's world."""
     world = bpy.data.worlds.new("World")
-    if bpy.app.version < (5, 0, 0):  # as in material.py; goes with 4.5 LTS
-        world.use_nodes = True
-    tree = world.node_tree
+    tree = versions.nodes_of(world)
     tree.nodes.clear()
     texture, background, output = (
         tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexEnvironment", "Background", "OutputWorld")
@@ -165,7 +162,7 @@ def size(scene: Scene) -> tuple[int, int]:
 
 def composites(scene: Scene) -> bool:
     """Whether the compositor has a say in the scene's picture."""
-    if bpy.app.version < (5, 0, 0):  # goes with 4.5 LTS
+    if not versions.since(5, 0):
         return bool(scene.render.use_compositing and scene.use_nodes and scene.node_tree)
     return bool(scene.render.use_compositing and scene.compositing_node_group)
 
@@ -218,7 +215,7 @@ def still(
         render.resolution_x, render.resolution_y, render.resolution_percentage = *resolution, 100
     render.use_multiview = render.use_stamp = False  # one picture, of the scene alone
     settings = render.image_settings
-    if bpy.app.version >= (5, 0, 0):  # 4.5 knows one list of formats. Goes with 4.5 LTS.
+    if versions.since(5, 0):  # 4.5 knows one list of formats
         settings.media_type = "IMAGE"
     settings.file_format = FORMATS[path.suffix.lower()]
     settings.color_mode = "RGB"

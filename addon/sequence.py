@@ -18,7 +18,7 @@ import bpy
 import imbuf
 import numpy as np
 
-from . import scene
+from . import scene, versions
 from .files import all_readable, check_writable, replacing
 from .images import attribute, load, opened, save, tile, write
 from .scene import SceneError
@@ -167,7 +167,7 @@ def _cut(shown: Scene, frames: Sequence[Path], fps: int) -> None:
     render.resolution_x, render.resolution_y = width - width % 2, height - height % 2  # codecs halve colour
     render.use_file_extension = False
     shown.view_settings.view_transform = "Standard"
-    if bpy.app.version >= (5, 0, 0):  # 4.5 knows one list of formats. Goes with 4.5 LTS.
+    if versions.since(5, 0):  # 4.5 knows one list of formats
         settings.media_type = "VIDEO"
     settings.file_format = "FFMPEG"
     render.ffmpeg.constant_rate_factor = "HIGH"

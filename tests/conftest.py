@@ -3,13 +3,14 @@
 
 A test that renders a grid of rows (models, estimators, backends, slopes, ...) is run on some of them, chosen so that
 each value is in one of them at least: what breaks mostly does so for one value. ``--cover 2`` holds each pair of values
-of two parameters too, and `make test-all` runs every row. Grids without Blender are run in full on the newest; on the
-older one, whose Python and NumPy are older too, they are thinned as well. What takes long and hardly depends on
-Blender is marked ``newest`` and left out on the older, and what is more of the same is marked ``more``: `make test-all`
-has both.
+of two parameters too, and `make test-all` runs every row. Grids without Blender are run in full on 5.2; on 4.5, whose
+Python and NumPy are older too, they are thinned as well, and on 5.3, which has those of 5.2, they are left out. What
+takes long and hardly depends on Blender is marked ``once`` and run on 5.2 alone, and what is more of the same is marked
+``more``: `make test-all` has both.
 """
 
 import contextlib
+import sys
 from itertools import combinations
 
 import numpy as np
@@ -22,9 +23,10 @@ headless.prepare()
 
 import bpy  # noqa: E402 - prepare() must come first
 
-from vgroove.addon import gonio, images, scene  # noqa: E402
+from vgroove.addon import gonio, images, scene, versions  # noqa: E402
 from vgroove.addon.batch.outcome import RECORD, read_record  # noqa: E402
 from vgroove.addon.batch.task import Renderer  # noqa: E402
+from vgroove.addon.report.findings import DEFAULT  # noqa: E402
 
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 
@@ -36,11 +38,13 @@ def pytest_addoption(parser):
 
 def pytest_collection_modifyitems(config, items):
     strength, rows = config.getoption("--cover"), {}
-    older = bpy.app.version < (5, 0, 0)
-    marks = ("more", "newest") if older else ("more",)
+    default, python = versions.version() == DEFAULT, sys.version_info >= (3, 13)
+    marks = ("more",) if default else ("more", "once")
     left = {item for item in items if strength and any(map(item.get_closest_marker, marks))}
+    if strength and not default and python:
+        left |= {item for item in items if not item.get_closest_marker("blender")}
     for item in items:
-        if strength and (older or item.get_closest_marker("blender")) and hasattr(item, "callspec"):
+        if strength and (not default or item.get_closest_marker("blender")) and hasattr(item, "callspec"):
             rows.setdefault((item.path, item.originalname), []).append(item)
     kept = {item for of in rows.values() for item in covering(of, strength)}
     left |= {item for of in rows.values() for item in of} - kept
@@ -97,9 +101,7 @@ def empty_material(blender):
 
     def make(name="Test"):
         material = blender.data.materials.new(name)
-        if blender.app.version < (5, 0, 0):
-            material.use_nodes = True
-        material.node_tree.nodes.clear()
+        versions.nodes_of(material).nodes.clear()
         material.cycles.emission_sampling = "NONE"
         return material
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vgroove.addon import advice, assignment, facts, headless, images, lamps, material, presets, scene
+from vgroove.addon import advice, assignment, facts, headless, images, lamps, material, presets, scene, versions
 from vgroove.addon.material import lamps_to_bind
 
 pytestmark = pytest.mark.blender
@@ -59,12 +59,9 @@ def add_light(shown, name, kind="SUN", at=(0.0, 0.0, 5.0), size=0.0):
 
 
 def nodes_of(owner):
-    import bpy
-
-    if bpy.app.version < (5, 0, 0):
-        owner.use_nodes = True
-    owner.node_tree.nodes.clear()
-    return owner.node_tree
+    tree = versions.nodes_of(owner)
+    tree.nodes.clear()
+    return tree
 
 
 def add_card(shown, node, socket="Surface", name="Card"):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vgroove.addon import automatic
+from vgroove.addon import automatic, versions
 from vgroove.addon.material import KEY, Choice, build, origin_of, plays
 from vgroove.addon.presets import shipped
 
@@ -45,7 +45,7 @@ def test_every_preset_is_an_asset_that_says_what_it_is(blender, library):
         assert data.author
         assert data.license == "GPL-3.0-or-later"
         assert preset.source["data"][:100] in data.description
-        if blender.app.version >= (5, 0, 0):
+        if versions.since(5, 0):
             assert data.use_preferred_import_method
             assert data.preferred_import_method == "APPEND"
 

@@ -122,7 +122,7 @@ def begin_batch(folder, address, job):
     return subprocess.Popen(command, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
-@pytest.mark.newest
+@pytest.mark.once
 def test_twenty_killed_workers_cost_nothing(folder, cluster, family, same_as_quiet):
     """kill -9 of a random worker: each task once, the pixels of a quiet run; its renderer ends with it."""
     address, _, nannies = cluster()
@@ -142,7 +142,7 @@ def test_twenty_killed_workers_cost_nothing(folder, cluster, family, same_as_qui
     same_as_quiet(stills(folder), parse(job, "job", folder))
 
 
-@pytest.mark.newest
+@pytest.mark.once
 def test_a_scheduler_that_is_killed_is_told_and_the_rest_is_finished(folder, cluster, family, same_as_quiet):
     """One line, exit 3, no renderer left; the same command on a new one renders the rest only."""
     address, scheduler, nannies = cluster()

@@ -78,7 +78,7 @@ def check_whole(folder, same_as_quiet, tasks):
     assert {path.suffix for path in (folder / "out").iterdir()} <= {".exr", ".csv"}
 
 
-@pytest.mark.newest
+@pytest.mark.once
 def test_twenty_kills_cost_nothing(folder, same_as_quiet, family):
     """kill -9 of any process, also one that is only starting: each task once, the pixels of a quiet run."""
     tasks = parse(SMALL + f"seed = {list(range(60))}\n", "job", folder)
@@ -105,7 +105,7 @@ def test_a_task_that_is_stuck_is_set_aside_and_the_rest_goes_on(folder, same_as_
     check_whole(folder, same_as_quiet, tasks[1:])
 
 
-@pytest.mark.newest
+@pytest.mark.once
 def test_a_process_makes_room_for_a_new_one(folder, monkeypatch):
     """After so many tasks, or where it holds too much; tasks of one scene go to one process."""
     begun = []
@@ -149,7 +149,7 @@ def test_a_full_disk_ends_the_work(folder):
     assert errors[-1].startswith("vgroove: ")
 
 
-@pytest.mark.newest
+@pytest.mark.once
 def test_what_a_killed_batch_left_is_finished(folder, same_as_quiet, family):
     """Kill -9 of the parent: its processes end too, and the same command renders the rest only."""
     job = SMALL + f"seed = {list(range(40))}\n"

@@ -6,7 +6,7 @@ import pytest
 from vgroove.addon.batch.job import parse
 from vgroove.addon.report.figures import batch as cost
 
-pytestmark = [pytest.mark.blender, pytest.mark.newest]
+pytestmark = [pytest.mark.blender, pytest.mark.once]
 
 
 def test_a_batch_has_eight_times_the_throughput_of_a_process_a_still(blender, tmp_path):

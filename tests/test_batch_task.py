@@ -8,7 +8,7 @@ import shutil
 import numpy as np
 import pytest
 
-from vgroove.addon import assignment, headless, images, scene
+from vgroove.addon import assignment, headless, images, scene, versions
 from vgroove.addon.batch import task as batch_task
 from vgroove.addon.batch.job import parse
 from vgroove.addon.batch.outcome import RECORD
@@ -219,7 +219,7 @@ def test_scenes_made_for_films_and_stereo_are_rendered_as_stills(blender, gate):
     """Whatever output they were saved with."""
     with headless.quiet():
         shown = blender.context.scene
-        if blender.app.version >= (5, 0, 0):
+        if versions.since(5, 0):
             shown.render.image_settings.media_type = "VIDEO"
         shown.render.image_settings.file_format = "FFMPEG"
         shown.render.use_multiview = shown.render.use_stamp = True

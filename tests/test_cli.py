@@ -14,6 +14,8 @@ import pytest
 from vgroove.addon import cli
 from vgroove.addon.reference import CookTorrance, Schlick, albedo
 
+pytestmark = pytest.mark.blender
+
 
 def vgroove(*arguments, cwd=None):
     """Run the command as a user does."""

@@ -16,6 +16,7 @@ from vgroove.addon import (
     presets,
     rebuild,
     scene,
+    versions,
 )
 from vgroove.addon.gonio import Geometry
 from vgroove.addon.material import Choice, build
@@ -23,7 +24,7 @@ from vgroove.addon.preset_checks import as_number
 from vgroove.addon.reference import Conductor
 
 REC709 = "Linear Rec.709"
-SPACES = [REC709] if bpy.app.version < (5, 0, 0) else [REC709, "ACEScg", "Linear Rec.2020"]  # 4.5 has no other
+SPACES = [REC709] if not versions.since(5, 0) else [REC709, "ACEScg", "Linear Rec.2020"]  # 4.5 has no other
 GIVEN = {  # M of two spaces, as published: SMPTE RP 177 from the primaries; ACES with CAT02
     "Linear Rec.2020": [[0.6274, 0.3293, 0.0433], [0.0691, 0.9195, 0.0114], [0.0164, 0.0880, 0.8956]],
     "ACEScg": [[0.6131, 0.3395, 0.0474], [0.0702, 0.9164, 0.0134], [0.0206, 0.1096, 0.8698]],
@@ -40,7 +41,7 @@ def matrix(space):
 
 
 def switch(space, **how):
-    if bpy.app.version >= (5, 0, 0):
+    if versions.since(5, 0):
         with headless.quiet():
             bpy.ops.wm.set_working_color_space(working_space=space, **how)
 

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Automatic gives is right in scenes as artists make them: it shows what the nearest native material shows."""
 
-import bpy
 import numpy as np
 import pytest
 
-from vgroove.addon import headless
+from vgroove.addon import headless, versions
 from vgroove.addon.material import NATIVE
 from vgroove.addon.report import everyday
 from vgroove.addon.report.everyday_stage import SCENES
@@ -16,7 +15,7 @@ pytestmark = pytest.mark.blender
 ROWS = [
     pytest.param(name, subject, marks=pytest.mark.more if one.slow else ())
     for name, one in SCENES.items()
-    if bpy.app.version >= one.since
+    if versions.since(*one.since)
     for subject in one.subjects
 ]
 SUBJECTS = sorted({subject for one in SCENES.values() for subject in one.subjects})

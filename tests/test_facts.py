@@ -3,7 +3,7 @@
 
 import pytest
 
-from vgroove.addon import facts
+from vgroove.addon import facts, versions
 
 from .test_advice import add, add_card, add_light, add_world, by_instance, in_background_set
 
@@ -109,7 +109,7 @@ def test_lights_of_geometry_nodes_are_known(stage, blender, node, given):
     tree.links.new(info.outputs["Instances" if node == "Collection" else "Geometry"], out.inputs[0])
     modifier = card.modifiers.new("Rig", "NODES")
     modifier.node_group = tree
-    if given and blender.app.version < (5, 0, 0):
+    if given and not versions.since(5, 0):
         modifier[socket.identifier] = chosen
     elif given:
         getattr(modifier.properties.inputs, socket.identifier).value = chosen

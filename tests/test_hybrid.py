@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from vgroove.addon import check, check_hybrid, check_seeds, gonio, headless, material
+from vgroove.addon import check, check_hybrid, check_seeds, gonio, headless, material, versions
 from vgroove.nodegroups import cook_torrance_mirror, osl_script, random_numbers, smith_lobe
 from vgroove.nodegroups._tree import Value
 
@@ -42,7 +42,7 @@ def test_lobes_of_fit_send_what_their_formula_says_and_lean_as_is_allowed_for(in
     pixels = np.asarray(images, np.float64) / fine[:, None]
     noise = np.sqrt(np.mean(np.var(pixels, axis=(0, 2), ddof=1)) / pixels.size)
     bar = check.limit(3) * noise + np.mean(np.abs(fine / coarse - 1.0))
-    leaning = check_hybrid.LEANING * m
+    leaning = versions.LEANING * m
     assert abs(pixels.mean() - 1.0 - leaning) <= bar + 0.2 * leaning
     assert bar < 1e-3 * m  # so that what 4.5 has would be seen
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vgroove import nodegroups
-from vgroove.addon import advice, check, follow, gonio, headless, lamps, material, roles
+from vgroove.addon import advice, check, follow, gonio, headless, lamps, material, roles, versions
 from vgroove.addon.material import lamps_to_bind
 from vgroove.nodegroups import lamp as lamp_group
 from vgroove.nodegroups import osl_script, random_numbers
@@ -730,9 +730,7 @@ def test_what_cannot_be_followed_is_refused_in_one_line(blender):
     stage.collection.objects.link(parent)
     items["sheared"].parent = parent
     items["scaled unevenly"].scale = (1.0, 2.0, 1.0)
-    if blender.app.version < (5, 0, 0):
-        items["node tree"].data.use_nodes = True
-    items["node tree"].data.node_tree.nodes.new("ShaderNodeTexNoise")
+    versions.nodes_of(items["node tree"].data).nodes.new("ShaderNodeTexNoise")
     blender.context.view_layer.update()
     for word, item in items.items():
         refused = lamps.refusal(item)

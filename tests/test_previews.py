@@ -23,7 +23,7 @@ def pictures(folder):
     return [(folder / f"{name}.webp").read_bytes() for name in NAMES]
 
 
-@pytest.mark.newest
+@pytest.mark.once
 def test_pictures_are_the_same_each_time_and_show_their_material(tmp_path):
     """Byte for byte; gold is yellow, green glass green where the floor shines through it."""
     first, again = pictures(tmp_path / "a"), pictures(tmp_path / "b")

@@ -4,11 +4,10 @@
 import numpy as np
 import pytest
 
-from vgroove.addon import gonio, headless, presets, scene
+from vgroove.addon import gonio, headless, presets, scene, versions
 from vgroove.addon.reference.fresnel import fresnel_conductor, schlick
 from vgroove.addon.report import contenders, mitsuba_peer, scenes
 from vgroove.addon.report.flip import flip
-from vgroove.nodegroups import cook_torrance_closure
 
 SIZE, SAMPLES, SEEDS = 16, 128, 8
 COLOUR = (0.8, 0.6, 0.4)
@@ -196,7 +195,7 @@ def test_mitsubas_copper_is_cycles_metallic_bsdf(blender, peer):
     preset = presets.find("lecture/copper")
     bsdf = mitsuba_peer.nearest(preset)
     metallic = {"distribution": "BECKMANN", "Roughness": preset.m**0.5}
-    if cook_torrance_closure.has_exact_conductor():
+    if versions.EXACT_CONDUCTOR:
         metallic |= {
             "fresnel_type": "PHYSICAL_CONDUCTOR",
             "IOR": bsdf["eta"]["value"],

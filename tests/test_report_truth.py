@@ -55,7 +55,7 @@ def test_a_diffuse_ball_is_what_cycles_renders(name, blender):
     assert 4.0 * error + 6e-4 < 0.005
 
 
-@pytest.mark.newest
+@pytest.mark.once
 @pytest.mark.parametrize("m", [0.1, 0.6])
 @pytest.mark.parametrize("name", SCENES)
 def test_both_ways_of_drawing_agree(name, m, blender, monkeypatch):

@@ -6,7 +6,7 @@ from itertools import product
 
 import pytest
 
-from vgroove.addon import advice, gonio, headless, lamps, material, presets
+from vgroove.addon import advice, gonio, headless, lamps, material, presets, versions
 from vgroove.addon.headless import stack_overflows
 from vgroove.addon.material import BUILDERS, Choice, build, lamps_to_bind
 
@@ -129,7 +129,7 @@ def test_no_material_outgrows_the_stack(blender, model, estimator, rig, sized):
     if estimator not in BUILDERS[preset.model]:
         assert (model, estimator) == ("body", "direct")
         return
-    old = blender.app.version < (5, 0, 0)
+    old = not versions.since(5, 0)
     most = 6 if old and (model, estimator) == ("conductor", "direct") else lamps.LIMIT  # seven are black there
     with lit(RIGS[rig][:most], sized=sized) as (stage, overflows):
         made = build(preset, Choice("nodes", estimator, lamps_to_bind(stage, estimator, preset.model)))

@@ -19,7 +19,7 @@ headless.prepare()
 import bpy  # noqa: E402 - prepare() must come first
 from mathutils import Vector  # noqa: E402
 
-from vgroove.addon import check, check_glass  # noqa: E402
+from vgroove.addon import check, check_glass, versions  # noqa: E402
 
 SIZE = (300, 225)
 BOUNCES = 24
@@ -31,9 +31,7 @@ def glass(eta: float, m: float = 0.0, *, thin: bool = False) -> bpy.types.Materi
 
 def diffuse(*, checker: bool = False) -> bpy.types.Material:
     made = bpy.data.materials.new("Diffuse")
-    if bpy.app.version < (5, 0, 0):
-        made.use_nodes = True
-    tree = made.node_tree
+    tree = versions.nodes_of(made)
     tree.nodes.clear()
     bsdf, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
     bsdf.inputs["Color"].default_value = (0.7, 0.1, 0.05, 1.0)
@@ -111,9 +109,7 @@ def stage(*, environment: bool) -> bpy.types.Scene:
         setattr(scene.cycles, f"{kind}_bounces", BOUNCES)
     scene.view_settings.view_transform = "Standard"
     scene.world = bpy.data.worlds.new("World")
-    if bpy.app.version < (5, 0, 0):
-        scene.world.use_nodes = True
-    tree = scene.world.node_tree
+    tree = versions.nodes_of(scene.world)
     background = tree.nodes.get("Background") or tree.nodes.new("ShaderNodeBackground")
     background.inputs["Color"].default_value = (0.8, 0.8, 0.8, 1.0)
     if environment:

@@ -27,7 +27,7 @@ headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
 
-from vgroove.addon import automatic, material, presets, scene, slots  # noqa: E402
+from vgroove.addon import automatic, material, presets, scene, slots, versions  # noqa: E402
 from vgroove.addon.files import replacing  # noqa: E402
 from vgroove.addon.material import lamps_to_bind  # noqa: E402
 
@@ -120,9 +120,7 @@ def floor(shown: bpy.types.Scene) -> None:
 def checked(*greys: float) -> bpy.types.Material:
     """Matte squares of 1 cm in two greys."""
     made = bpy.data.materials.new("Floor")
-    if bpy.app.version < (5, 0, 0):  # goes with 4.5 LTS
-        made.use_nodes = True
-    tree = made.node_tree
+    tree = versions.nodes_of(made)
     tree.nodes.clear()
     place, checks, diffuse, output = (
         tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "TexChecker", "BsdfDiffuse", "OutputMaterial")

@@ -25,12 +25,10 @@ from functools import cache, partial
 from math import sqrt
 from typing import TYPE_CHECKING, Any
 
-import bpy
 import numpy as np
 from mathutils import Color
 
-from ...nodegroups.cook_torrance_closure import has_exact_conductor
-from .. import assignment, gonio, headless, material, presets, slots
+from .. import assignment, gonio, headless, material, presets, slots, versions
 from ..reference.estimators import rendered as brdf
 from ..reference.fresnel import F82_COSINE, schlick
 from ..reference.oren_nayar_fit import closure_roughness
@@ -95,7 +93,7 @@ def cells(*, quick: bool) -> list[Cell]:
 def measure(name: str, _folder: Path | None = None) -> dict[str, Any]:
     """One scene with all of its subjects; with none where this Blender cannot make it."""
     one, found = SCENES[name], []
-    for subject in one.subjects if bpy.app.version >= one.since else ():
+    for subject in one.subjects if versions.since(*one.since) else ():
         with headless.quiet():
             seen = look(name, subject)
             slower = time_over_native(name, subject) if one.timed else None
@@ -212,7 +210,7 @@ def _shader(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
 
 def _metallic(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
     """F82, exact head-on and at 82 degrees, of any kind of Fresnel term; a dielectric's own where Cycles has it."""
-    if preset.kind == "dielectric" and has_exact_conductor():
+    if preset.kind == "dielectric" and versions.EXACT_CONDUCTOR:
         eta: Any = preset.parameters["eta"]
         numbers = {"IOR": (eta,) * 3, "Extinction": (0.0,) * 3, "Roughness": sqrt(preset.m)}
         return _bsdf(

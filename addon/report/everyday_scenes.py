@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from .. import gonio, scene
+from .. import gonio, scene, versions
 from ..images import pixels
 from .everyday_stage import (
     MODERN,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from bpy.types import Material, Object, Scene
     from numpy.typing import NDArray
 
-SAYS_FRESNEL = ("approximate this Fresnel term",) if bpy.app.version < (5, 2, 0) else ()  # true there
+SAYS_FRESNEL = ("approximate this Fresnel term",) if not versions.EXACT_CONDUCTOR else ()  # true there
 IES = """IESNA:LM-63-1995
 TILT=NONE
 1 1000 1 5 1 1 2 0 0 0
@@ -182,9 +182,7 @@ def node_light(shown: Scene) -> None:
 
 
 def _nodes_of(lamp: Object) -> bpy.types.NodeTree:
-    if bpy.app.version < (5, 0, 0):  # 5.x always has a tree and warns when it is asked for one. Goes with 4.5 LTS
-        lamp.data.use_nodes = True
-    return lamp.data.node_tree
+    return versions.nodes_of(lamp.data)
 
 
 @everyday("light linking, with the ball left out by one light")
@@ -474,7 +472,7 @@ def motion_blur(shown: Scene) -> None:
 # --- settings -------------------------------------------------------------------------------------------------------
 
 
-@everyday("ACEScg as the working space", "copper", "plaster", "conductor", since=(5, 0, 0))
+@everyday("ACEScg as the working space", "copper", "plaster", "conductor", since=(5, 0))
 def acescg(shown: Scene) -> None:
     light(shown, "AREA", 300.0, size=2.0)
     sky(shown, 0.2)

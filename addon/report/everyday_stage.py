@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .. import gonio, scene
+from .. import gonio, scene, versions
 from .scenes import new_material
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from bpy.types import Material, Mesh, Node, NodeSocket, Object, Scene, ShaderNodeTree, World
     from numpy.typing import NDArray
 
-MODERN = bpy.app.version >= (5, 0, 0)  # 4.5 has other names for some things. Goes with 4.5 LTS
+MODERN = versions.since(5, 0)  # 4.5 has other names for some things
 NAME = "Subject"
 LENS = 170.0  # of the start scene's camera, 11.2 m away: a unit ball fills the picture
 SIZE, SAMPLES = 32, 32
@@ -57,7 +57,7 @@ class Everyday:
     make: Callable[[Scene], Shot | None]
     subjects: tuple[str, ...]
     says: tuple[str, ...] = ()
-    since: tuple[int, int, int] = (0, 0, 0)
+    since: tuple[int, int] = (0, 0)
     slow: bool = False
     timed: bool = False
 

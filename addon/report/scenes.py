@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from .. import gonio, scene
+from .. import gonio, scene, versions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 BRIGHTEST = 3.0
 DISTANCE, LENS, SENSOR = 6.0, 90.0, 36.0  # of the camera from the unit ball, in metres and millimetres
 LAMP = (1.3, -1.6, 2.6)
-MODERN = bpy.app.version >= (5, 0, 0)  # 4.5 has no node tree until it is asked for one. Goes with 4.5 LTS
 
 
 @dataclass(frozen=True)
@@ -149,7 +148,5 @@ def _checker(shown: Scene) -> None:
 def new_material(name: str) -> Material:
     """A material with an empty node tree."""
     made = bpy.data.materials.new(name)
-    if not MODERN:
-        made.use_nodes = True
-    made.node_tree.nodes.clear()
+    versions.nodes_of(made).nodes.clear()
     return made

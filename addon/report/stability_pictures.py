@@ -18,7 +18,7 @@ from mathutils import Vector
 
 from ... import nodegroups
 from ...nodegroups import random_numbers
-from .. import advice, gonio, headless, rays, scene
+from .. import advice, gonio, headless, rays, scene, versions
 from ..check import SETUPS, Row, Setup, View, limit, materials
 from ..material import Choice, build
 from ..reference import albedo
@@ -176,9 +176,7 @@ def is_explained(image: NDArray[np.float64], shared: Sharing) -> bool:
 
 def _numbers_material() -> Material:
     made = bpy.data.materials.new("VGroove gonio")
-    if bpy.app.version < (5, 0, 0):  # as in material.py; goes with 4.5 LTS
-        made.use_nodes = True
-    tree = made.node_tree
+    tree = versions.nodes_of(made)
     tree.nodes.clear()
     group, emission, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "Emission", "OutputMaterial"))
     group.node_tree = nodegroups.ensure(random_numbers.NAME, random_numbers.REVISION, random_numbers.build)

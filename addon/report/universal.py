@@ -39,9 +39,9 @@ from ...nodegroups import (
     shading_normal,
 )
 from ...nodegroups import cook_torrance_closure as closure
-from ...nodegroups._tree import Value, select
+from ...nodegroups._tree import Value, output, select
 from ...nodegroups.lamp_beams import beam_interfaces
-from .. import animation
+from .. import animation, versions
 from .. import lamps as lamp_binding
 from ..material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
 from ..preset_checks import M_RANGE, base_name
@@ -91,7 +91,7 @@ class Form:
 
 def fits() -> bool:
     """Whether it can be had of plain nodes: SVM of Blender 4.5 has no room on its stack but for ``closure``'s."""
-    return bpy.app.version >= (5, 0, 0)
+    return versions.since(5, 0)
 
 
 def form_of(choice: Choice) -> Form:
@@ -184,9 +184,7 @@ def build(choice: Choice, parts: Sequence[str] = PARTS) -> Material:
     """
     form = form_of(choice)
     made = bpy.data.materials.new(f"Universal ({form.estimator.title()})")
-    if bpy.app.version < (5, 0, 0):  # as in material.py; goes with 4.5 LTS
-        made.use_nodes = True
-    made.node_tree.nodes.clear()
+    versions.nodes_of(made).nodes.clear()
     output = made.node_tree.nodes.new("ShaderNodeOutputMaterial")
     _add(made, output, choice, parts)
     made.cycles.use_bump_map_correction = form.estimator in UPRIGHT
@@ -224,10 +222,10 @@ def _spare(tree: ShaderNodeTree, node: Node, index: int, choice: Choice) -> None
     name = lamp.name(**variant) + " (OSL)" * osl
     group = nodegroups.ensure(name, lamp.REVISION, partial(lamp.build_osl if osl else lamp.build, **variant))
     source = _group_node(tree, group, f"Lamp {index}")
-    for of, output in (("axis", "Vector"), ("strength", "Fac")):
+    for of, kept in (("axis", "Vector"), ("strength", "Fac")):
         datum = tree.nodes.new("ShaderNodeAttribute")
         datum.attribute_type, datum.attribute_name = "OBJECT", _property(f"lamp {index}", of)
-        tree.links.new(datum.outputs[output], source.inputs[of.title()])
+        tree.links.new(output(datum, kept), source.inputs[of.title()])
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
 
@@ -290,12 +288,10 @@ class _Universal:
 
     def _body(self) -> list[NodeSocket]:
         tree = self.tree
-        node = tree.node("ShaderNodeSubsurfaceScattering", falloff="RANDOM_WALK")
-        tree.connect(self.parameter("reflectance"), node.inputs["Color"])
-        tree.connect(self.parameter("mean_free_path") * (4.0 * pi, 4.0 * pi, 4.0 * pi), node.inputs["Radius"])
-        tree.connect(1.0, node.inputs["Scale"])
-        tree.connect(self.normal, node.inputs["Normal"])
-        return [tree.weighted(node.outputs[0], self.switch("body") * self._left())]
+        radius = self.parameter("mean_free_path") * (4.0 * pi, 4.0 * pi, 4.0 * pi)
+        given = {"Color": self.parameter("reflectance"), "Radius": radius, "Scale": 1.0, "Normal": self.normal}
+        node = tree.node("ShaderNodeSubsurfaceScattering", falloff="RANDOM_WALK", **given)
+        return [tree.weighted(output(node, "BSSRDF"), self.switch("body") * self._left())]
 
     def _specular(self) -> list[NodeSocket]:
         module = BUILDERS["cook_torrance"][self.form.estimator]
@@ -357,7 +353,7 @@ class _Universal:
         return nodegroups.ensure(name, REVISION, make)
 
     def _use(self, group: ShaderNodeTree, weight: Value, inputs: Mapping[str, Value]) -> NodeSocket:
-        node = self.tree.node("ShaderNodeGroup", node_tree=group, label=group.name)
+        node = self.tree.nested(group)
         for socket in node.inputs:
             lamps = socket.name.startswith(("To Lamp", "Irradiance"))
             value = self.normal if socket.name == "Normal" else inputs.get(socket.name)
@@ -374,7 +370,7 @@ def _suffix(form: Form) -> str:
 
 def _read(tree: Tree, name: str, *, color: bool) -> Value:
     node = tree.node("ShaderNodeAttribute", attribute_type="OBJECT", attribute_name=name)
-    return Value(tree, node.outputs["Color" if color else "Fac"])
+    return Value(tree, output(node, "Color" if color else "Fac"))
 
 
 def _parameter(tree: Tree, name: str) -> Value:
