@@ -5,8 +5,8 @@ A test that renders a grid of rows (models, estimators, backends, slopes, ...) i
 each value is in one of them at least: what breaks mostly does so for one value. ``--cover 2`` holds each pair of values
 of two parameters too, and `make test-all` runs every row. Grids without Blender are run in full on 5.2; on 4.5, whose
 Python and NumPy are older too, they are thinned as well, and on 5.3, which has those of 5.2, they are left out. What
-takes long and hardly depends on Blender is marked ``once`` and run on 5.2 alone, and what is more of the same is marked
-``more``: `make test-all` has both.
+takes long and hardly depends on Blender, and deliberate errors, which show that a check can fail, are marked ``once``
+and run on 5.2 alone; what is more of the same is marked ``more``: `make test-all` has both.
 """
 
 import contextlib

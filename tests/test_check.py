@@ -79,6 +79,7 @@ def one_percent(module, output):
     return build
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("m", check.DIRECT_SLOPES)
 @pytest.mark.parametrize(("module", "output"), [(beckmann_d, "D"), (vgroove_g, "G")], ids=["D", "G"])
 def test_an_error_of_one_percent_in_a_node_group_turns_direct_red(blender, monkeypatch, module, output, m):
@@ -87,6 +88,7 @@ def test_an_error_of_one_percent_in_a_node_group_turns_direct_red(blender, monke
     assert not check.direct_row(check.SETUPS[0], "schlick", m).passed
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("m", check.DIRECT_SLOPES)
 @pytest.mark.parametrize(
     ("old", "new"),
@@ -111,6 +113,7 @@ def mutated(old, new):
     return source
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("m", check.MIRROR_SLOPES)
 def test_a_constant_in_place_of_the_hash_turns_mirror_red(blender, monkeypatch, m):
     """A frozen random number looks like no noise at all; the Z-test sees that it is the wrong picture."""
@@ -126,6 +129,7 @@ def frozen(tree):
     tree.output_vector("Random", (0.37, 0.37, 0.37), tip="A constant")
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("m", check.MIRROR_SLOPES)
 @pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[2]], ids=str)
 def test_an_error_of_one_percent_in_the_slope_or_weight_turns_mirror_red(blender, monkeypatch, setup, m):

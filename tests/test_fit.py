@@ -56,6 +56,7 @@ def test_rendered_fit_is_near_the_vgroove_model(instrument, setup, m):
     assert np.abs(lost[to_85]).max() <= 0.01
 
 
+@pytest.mark.once
 def test_the_distance_sees_an_error(instrument):
     """A fit 5 % too bright is red in both measures."""
     off, lost = distances(NODES, 0.4, gain=1.05)

@@ -72,6 +72,7 @@ def scaled(function):
     return lambda *arguments, **more: function(*arguments, **more) * 0.99
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("m", check_glass.SLOPES)
 @BOTH
 def test_one_percent_in_the_shadow_of_what_is_refracted_turns_the_furnace_red(blender, monkeypatch, setup, m):
@@ -81,6 +82,7 @@ def test_one_percent_in_the_shadow_of_what_is_refracted_turns_the_furnace_red(bl
     assert not check_glass.furnace_row(setup, 1.5, m, "all").passed
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("m", check_glass.SLOPES)
 @BOTH
 def test_one_percent_in_the_weight_of_the_mirror_turns_the_furnace_red(blender, monkeypatch, setup, m):
@@ -91,6 +93,7 @@ def test_one_percent_in_the_weight_of_the_mirror_turns_the_furnace_red(blender, 
     assert not check_glass.furnace_row(setup, 1.0 / 2.42, m, "all").passed
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("m", check_glass.SLOPES)
 @BOTH
 def test_a_constant_in_place_of_the_hash_turns_the_furnace_red(blender, monkeypatch, setup, m):
@@ -105,6 +108,7 @@ def frozen(tree):
     tree.output_vector("Random", (0.37, 0.37, 0.37), tip="A constant")
 
 
+@pytest.mark.once
 @BOTH
 def test_the_index_of_the_wrong_side_turns_every_view_from_inside_red(blender, monkeypatch, setup):
     """Backfacing not asked for."""

@@ -63,6 +63,7 @@ def one_percent_more(tree):
 smith_lobe_build = smith_lobe.build
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("estimator", check_hybrid.ESTIMATORS)
 def test_one_percent_in_the_subtracted_lobe_turns_lamps_red(blender, monkeypatch, estimator):
     """In the node group and in OSL."""
@@ -83,12 +84,14 @@ def frozen(tree):
     tree.output_vector("Random", (0.37, 0.37, 0.37), tip="A constant")
 
 
+@pytest.mark.once
 def test_a_constant_in_place_of_the_hash_turns_hybrid_red(blender, monkeypatch):
     """A frozen random number looks like no noise at all."""
     monkeypatch.setattr(random_numbers, "build", frozen)
     assert not check_hybrid.furnace_row(check.SETUPS[0], "white", 0.6).passed
 
 
+@pytest.mark.once
 def test_ten_percent_in_the_random_part_turns_hybrid_red(blender, monkeypatch):
     """The mirror carries about a third: a tenth of it is some 3 % of the whole."""
     original = cook_torrance_mirror.fresnel.reflectance

@@ -343,6 +343,7 @@ def test_a_spot_around_the_floor_gives_what_cycles_light_sampling_finds(two_floo
     assert resolves < 0.01
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("setup", [setup for setup in BACKENDS if traces(setup)], ids=str)
 @pytest.mark.parametrize("case", ["sun", "ball", "spot facing disc", "rectangle, spread", "disk"])
 def test_a_constant_in_place_of_the_hash_turns_half_shadows_red(two_floors, monkeypatch, case, setup):

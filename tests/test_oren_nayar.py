@@ -102,6 +102,7 @@ def mutated(old, new):
     return source
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("sigma", ROUGH)
 @pytest.mark.parametrize(
     ("kind", "constant", "osl"),
@@ -123,6 +124,7 @@ def test_one_percent_in_one_term_turns_direct_red(blender, monkeypatch, kind, co
     assert not check_oren_nayar.exact_row("direct", OSL, kind, sigma).passed
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("kind", oren_nayar.KINDS)
 @pytest.mark.parametrize("sigma", check_oren_nayar.MIRROR_SIGMAS)
 def test_one_percent_in_the_weight_or_a_constant_hash_turns_mirror_red(blender, monkeypatch, kind, sigma):
@@ -146,6 +148,7 @@ def frozen(tree):
     tree.output_vector("Random", (0.37, 0.37, 0.37), tip="A constant")
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("sigma", ROUGH)
 @pytest.mark.parametrize("kind", oren_nayar.KINDS)
 def test_one_percent_in_the_tables_turns_closure_and_fit_red(blender, monkeypatch, kind, sigma):
@@ -177,6 +180,7 @@ def one_percent_more(tree):
 cycles_diffuse_build = cycles_diffuse.build
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("estimator", ["corrected", "hybrid"])
 @pytest.mark.parametrize("kind", oren_nayar.KINDS)
 def test_one_percent_in_what_is_subtracted_turns_lamps_red(blender, monkeypatch, kind, estimator):
@@ -195,6 +199,7 @@ def mutated_if_there(old, new):
     return lambda shader: original(shader).replace(old, new)
 
 
+@pytest.mark.once
 def test_a_constant_hash_or_a_tenth_more_of_the_random_part_turns_hybrid_red(blender, monkeypatch):
     """The mirror carries a tenth or so at this sigma: a tenth of it is 1 % of the whole."""
     with monkeypatch.context() as patch:

@@ -80,6 +80,7 @@ def test_the_mixture_is_within_15_percent_of_the_best_two_lobes_for_each_cell():
         assert distance(m, degrees)[0] <= 1.15 * best, (m, degrees, best)
 
 
+@pytest.mark.once
 def test_the_distance_sees_an_error():
     """The plain closure fails these bars where it should."""
     wi, wo, solid_angle = facets(0.4, 80.0)

@@ -330,6 +330,7 @@ def with_one_percent(monkeypatch, name):
     monkeypatch.setattr(glass, name, lambda *arguments: 1.01 * original(*arguments))
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("name", ["beckmann_d", "transmitted_g", "fresnel_transmittance"])
 @pytest.mark.parametrize("m", SLOPES)
 def test_one_percent_in_a_term_turns_the_checks_red(monkeypatch, name, m):
@@ -345,6 +346,7 @@ def test_one_percent_in_a_term_turns_the_checks_red(monkeypatch, name, m):
     assert (glass_btdf(wi, wo, m, eta) >= 0).all()
 
 
+@pytest.mark.once
 def test_a_swapped_index_turns_the_checks_red(monkeypatch):
     """1/eta in place of eta, where a ray looks for its facet."""
     original = glass.refraction_facet
@@ -355,6 +357,7 @@ def test_a_swapped_index_turns_the_checks_red(monkeypatch):
         test_transmittance_is_the_integral_of_the_btdf(1.5, 0.3, 30.0)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("m", SLOPES)
 def test_one_percent_of_shadow_in_the_weight_turns_the_means_red(monkeypatch, m):
     """In ``sample`` alone."""

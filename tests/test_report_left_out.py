@@ -46,6 +46,7 @@ def test_universal_material_shows_the_same_picture(blender, name, scene, backend
     assert found["same"], found
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("samples", sorted(left_out.SAMPLES.values()))
 def test_a_universal_material_that_is_off_by_a_hundredth_is_seen(blender, samples):
     """The comparison is finer than 1 % of a weight, and a kind of Fresnel term that is not the preset's is seen."""

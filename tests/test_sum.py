@@ -140,6 +140,7 @@ def test_the_limit_for_noisy_rows_counts_them_all():
     assert sum(measure is not check_sum.exact_row for measure, _ in check_sum.plan()) == check_sum.NOISY_ROWS
 
 
+@pytest.mark.once
 @pytest.mark.blender
 def test_one_percent_in_the_specular_albedo_turns_coupled_sums_red(blender, monkeypatch):
     """The same nodes serve both backends."""
