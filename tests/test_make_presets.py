@@ -24,6 +24,8 @@ import make_time_presets  # noqa: E402
 import optical_constants  # noqa: E402
 import thin_film  # noqa: E402
 
+pytestmark = pytest.mark.once
+
 # with a channel of reflectance above 1, as their colour lies outside Rec.709
 CLIPPED = {"gold", "gold (Rakic 1998)", "gold (Babar 2015)", "gold (Olmon 2012 evaporated)", "gold (McPeak 2015)"}
 CLIPPED |= {"copper (Babar 2015)", "copper (McPeak 2015)"}

@@ -20,6 +20,8 @@ from vgroove.addon import cli
 from vgroove.addon.report import claims, compare, draw, findings, page, plots, record, run, summary
 from vgroove.addon.report.record import Cell, ReportError
 
+pytestmark = pytest.mark.once
+
 SEEDS, PIXELS = 4, 500
 COUNTS = tuple(2**k for k in range(2, 13))
 START = 0.05
