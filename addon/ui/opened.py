@@ -30,7 +30,10 @@ def _on_file(*_: object) -> None:
 
 
 def _tell() -> None:
-    bpy.context.window_manager.popup_menu(draw, title="V-Groove", icon="INFO")
+    manager = bpy.context.window_manager
+    if manager.windows:
+        with bpy.context.temp_override(window=manager.windows[0]):  # a timer has none
+            manager.popup_menu(draw, title="V-Groove", icon="INFO")
 
 
 def register() -> None:
