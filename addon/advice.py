@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..nodegroups import lamp
+from ..nodegroups.osl_script import OslError
 from . import facts, lamps, rays, versions
 from .material import (
     BUILDERS,
     EVERY_LAMP,
     NATIVE,
     RANDOM,
+    MaterialError,
     binds,
     is_of_other_cycles,
     locked,
@@ -158,15 +160,22 @@ def cycles_problems(scene: Scene) -> Iterator[Problem]:
         before = cycles.meant() == cycles.SINCE_5_3
         where = "5.2 or earlier" if before else "5.3 or later"
         names = ", ".join(one.name for one in found)
-        text = f"Built by Blender {where}, and rendered otherwise here until updated: {names}"
+        text = f"Made in Blender {where}, these render differently here until you update them: {names}"
         mendable = [made for made in found if not locked(made)]
         mend = partial(_update_all, mendable, scene) if mendable else None
         yield Problem("cycles", text, "Update" if mend else "", mend)
 
 
 def _update_all(found: Sequence[Material], scene: Scene) -> None:
+    """Rebuild all that can be; what a refusal says of the first that cannot is said after the others are done."""
+    refused = None
     for made in found:
-        rebuild(made, scene)
+        try:
+            rebuild(made, scene)
+        except (MaterialError, OslError) as error:
+            refused = refused or error
+    if refused:
+        raise refused
 
 
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:

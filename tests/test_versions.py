@@ -11,6 +11,8 @@ from vgroove.addon import advice, gonio, headless, material, versions
 from vgroove.addon.material import Choice, build
 from vgroove.addon.reference import cycles
 from vgroove.addon.ui import opened
+from vgroove.nodegroups import osl_script
+from vgroove.nodegroups.osl_script import OslError
 
 pytestmark = pytest.mark.blender
 
@@ -74,6 +76,26 @@ def test_a_file_of_the_other_cycles_is_told_when_it_is_opened_and_mended_by_one_
             assert (np.abs(now - before[name]).max() > 1e-3 * now.max()) == (name in CHANGED), name
     finally:
         vgroove.unregister()
+
+
+def test_what_cannot_be_updated_is_said_and_keeps_nothing_else_from_it(blender, monkeypatch):
+    """As where Blender was built without OSL."""
+    made = open_file(blender, other())
+    compiled = osl_script.script
+
+    def refuse(*arguments, **more):
+        message = "This Blender was built without OSL; choose the backend Nodes"
+        raise OslError(message)
+
+    monkeypatch.setattr(osl_script, "script", refuse)
+    (problem,) = advice.cycles_problems(blender.context.scene)
+    with pytest.raises(OslError, match="without OSL"):
+        problem.mend()
+    assert {name for name in made if material.is_of_other_cycles(made[name])} == {"chalk osl", "frosted osl"}
+    monkeypatch.setattr(osl_script, "script", compiled)
+    (problem,) = advice.cycles_problems(blender.context.scene)
+    problem.mend()
+    assert not any(map(material.is_of_other_cycles, made.values()))
 
 
 class Column:
