@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The structure of the code in figures: how large each room is, who knows which model, and which imports climb.
+
+python tools/house.py            prints them
+python tools/house.py --each     and every place that is counted
+
+Rooms, in the order in which imports may go: what stands further down may import what stands further up. A file that has
+no folder of its own yet counts where it will be (``WILL_BE``).
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections import Counter, defaultdict
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+ROOT = Path(__file__).parent.parent
+ROOMS = ("reference", "models", "library", "nodegroups", "blender", "choose", "ui", "lab", "batch", "cli")
+FOLDERS = {
+    "addon/reference": "reference", "addon/models": "models", "addon/library": "library", "addon/blender": "blender",
+    "addon/choose": "choose", "addon/ui": "ui", "nodegroups": "nodegroups", "lab": "lab", "batch": "batch", "cli": "cli",
+    "addon/report": "lab", "addon/batch": "batch",
+}  # fmt: skip
+WILL_BE = {
+    "library": "presets preset_checks preset_files timeline inputs files",
+    "nodegroups": "versions",
+    "blender": "material origin roles rebuild lamps follow facts animation rays gonio assets slots scene images "
+    "colour_space colour_update",
+    "choose": "automatic advice explain assignment",
+    "lab": "check check_all check_glass check_hybrid check_oren_nayar check_seeds check_sum check_time headless",
+    "batch": "sequence",
+    "cli": "cli",
+}
+MODELS = ("cook_torrance", "oren_nayar", "glass", "car_paint", "translucent", "sum")
+ESTIMATORS = {"closure", "fit", "mirror", "direct", "corrected", "hybrid"}
+SAME_LEVEL = {"ui", "lab", "batch"}  # which do not import each other's
+LONGEST_FUNCTION, LONGEST_FILE = 60, 450
+
+
+@dataclass
+class Count:
+    """What is counted, with the places where it is."""
+
+    places: dict[str, list[str]] = field(default_factory=lambda: defaultdict(list))
+
+    def add(self, what: str, path: Path, line: int, text: str = "") -> None:
+        self.places[what].append(f"{path.relative_to(ROOT)}:{line} {text}".rstrip())
+
+
+def sources() -> list[Path]:
+    """Every Python file of the package."""
+    return sorted(
+        path for folder in ("addon", "nodegroups", "lab", "batch", "cli") for path in (ROOT / folder).rglob("*.py")
+    )
+
+
+def room(path: Path) -> str:
+    """Of a file; empty for what belongs to none."""
+    name = path.relative_to(ROOT).as_posix()
+    for folder in sorted(FOLDERS, key=len, reverse=True):
+        if name.startswith(folder + "/"):
+            return FOLDERS[folder]
+    return next((of for of, names in WILL_BE.items() if path.stem in names.split()), "")
+
+
+def is_own(path: Path, model: str) -> bool:
+    """Whether a file is a model's own: its name begins with the model's."""
+    return path.stem.removeprefix("check_").startswith(model)
+
+
+def imports(path: Path, tree: ast.Module) -> Iterator[tuple[Path, int]]:
+    """Files of the package that one imports, with the line."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.ImportFrom) or not node.level:
+            continue
+        base = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+        if base.with_suffix(".py").exists():
+            yield base.with_suffix(".py"), node.lineno
+            continue
+        for one in node.names:
+            file = base / f"{one.name}.py"
+            yield (file if file.exists() else base / one.name / "__init__.py" if (base / one.name).is_dir()
+                   else base / "__init__.py"), node.lineno  # fmt: skip
+
+
+def climbs(importer: str, imported: str) -> bool:
+    """Whether an import goes against the order of rooms."""
+    if importer in SAME_LEVEL and imported in SAME_LEVEL:
+        return importer != imported
+    return ROOMS.index(imported) > ROOMS.index(importer)
+
+
+def count() -> tuple[Count, Counter[str], Counter[str]]:
+    """All that is counted, and files and lines of each room."""
+    found, files, lines = Count(), Counter(), Counter()
+    for path in sources():
+        text, here = path.read_text(encoding="utf-8"), room(path)
+        tree = ast.parse(text)
+        size = text.count("\n")
+        files[here or "(none)"] += 1
+        lines[here or "(none)"] += size
+        if size > LONGEST_FILE:
+            found.add(f"files over {LONGEST_FILE} lines", path, size)
+        for imported, line in imports(path, tree):
+            there = room(imported)
+            if here and there and climbs(here, there):
+                found.add("imports that climb", path, line, f"{here} imports {there}")
+        _names(path, tree, text, found)
+    return found, files, lines
+
+
+def _names(path: Path, tree: ast.Module, text: str, found: Count) -> None:
+    for number, line in enumerate(text.splitlines(), 1):
+        if "cook_torrance" in line and not is_own(path, "cook_torrance"):
+            found.add("lines that name cook_torrance outside its own files", path, number)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno + 1 > LONGEST_FUNCTION:
+            found.add(f"functions over {LONGEST_FUNCTION} lines", path, node.lineno, node.name)
+        if isinstance(node, ast.Compare):
+            told = {one for one in _texts(node) if one in MODELS and not is_own(path, one)}
+            if told:
+                found.add(
+                    "decisions on a model's name outside its own files", path, node.lineno, ", ".join(sorted(told))
+                )
+        if isinstance(node, ast.List | ast.Tuple | ast.Set | ast.Dict):
+            keys = node.keys if isinstance(node, ast.Dict) else node.elts
+            listed = {one.value for one in keys if isinstance(one, ast.Constant)} & ESTIMATORS
+            if len(listed) > 2:
+                found.add("lists of three estimators and more", path, node.lineno, ", ".join(sorted(listed)))
+
+
+def _texts(node: ast.AST) -> Iterator[str]:
+    return (one.value for one in ast.walk(node) if isinstance(one, ast.Constant) and isinstance(one.value, str))
+
+
+def main() -> None:
+    found, files, lines = count()
+    print(f"{'room':<12}{'files':>6}{'lines':>7}")
+    for name in (*ROOMS, "(none)"):
+        print(f"{name:<12}{files[name]:>6}{lines[name]:>7}")
+    print()
+    for what, places in sorted(found.places.items()):
+        print(f"{len(places):>5}  {what}")
+        if "--each" in sys.argv:
+            print(*(f"       {place}" for place in places), sep="\n")
+
+
+if __name__ == "__main__":
+    main()
