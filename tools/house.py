@@ -24,8 +24,8 @@ ROOT = Path(__file__).parent.parent
 ROOMS = ("reference", "models", "library", "nodegroups", "blender", "choose", "ui", "lab", "batch", "cli")
 FOLDERS = {
     "addon/reference": "reference", "addon/models": "models", "addon/library": "library", "addon/blender": "blender",
-    "addon/choose": "choose", "addon/ui": "ui", "nodegroups": "nodegroups", "lab": "lab", "batch": "batch", "cli": "cli",
-    "addon/report": "lab", "addon/batch": "batch",
+    "addon/choose": "choose", "addon/ui": "ui", "nodegroups": "nodegroups", "lab": "lab", "addon/report": "lab",
+    "batch": "batch", "addon/batch": "batch", "cli": "cli",
 }  # fmt: skip
 WILL_BE = {
     "library": "presets preset_checks preset_files timeline inputs files",
