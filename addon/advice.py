@@ -20,6 +20,7 @@ from .material import (
     binds,
     locked,
 )
+from .presets import TRANSPARENT
 from .rebuild import rebuild
 
 if TYPE_CHECKING:
@@ -79,6 +80,8 @@ def problems(
         found += _followed_problems(known, estimator, bound)
     if bound:
         found += [*_shadow_problems(backend, estimator, bound), *_emitted_problems(known, estimator)]
+    if estimator in {*RANDOM, "direct"} and model not in TRANSPARENT:
+        found += _terminator_problems(known, estimator)
     if estimator not in NATIVE:
         found += _picture_problems(known.scene, estimator, model, bound)
     if estimator in {*NATIVE, "corrected", "hybrid"} and m > 1.0:
@@ -311,6 +314,29 @@ def _emitted_problems(known: SceneFacts, estimator: str) -> Iterator[Problem]:
         yield Problem("groups", f"What {name} adds for bound lights is emitted and lands in no light group")
     if any(getattr(layer, name) for layer in layers for name in _lighting_passes()):
         yield Problem("passes", f"What {name} adds for bound lights stands in the Emission pass")
+
+
+def _terminator_problems(known: SceneFacts, estimator: str) -> Iterator[Problem]:
+    """Cycles bends the cosine to each closure's own normal, which of a random facet is never grazed."""
+    if known.shifted:
+        items = [item for name in known.shifted if (item := known.scene.objects.get(name)) is not None]
+        share = " where it mirrors" if estimator == "hybrid" else ""
+        text = (
+            f"{name_of(estimator)} does not follow a Shading Offset of the shadow terminator{share} and is too bright"
+        )
+        mend = partial(_clear_offsets, items)
+        yield Problem(
+            "terminator",
+            f"{text}: {', '.join(known.shifted)}",
+            "Set It to 0",
+            mend,
+            "jagged shadow lines on coarse meshes",
+        )
+
+
+def _clear_offsets(items: Sequence[Object]) -> None:
+    for item in items:
+        item.shadow_terminator_shading_offset = 0.0
 
 
 def _lighting_passes() -> list[str]:

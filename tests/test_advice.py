@@ -154,6 +154,9 @@ SITUATIONS = {
     "baking Combined": lambda shown: setattr(shown.cycles, "bake_type", "COMBINED"),
     "baking Glossy": lambda shown: setattr(shown.cycles, "bake_type", "GLOSSY"),
     "persistent data": lambda shown: setattr(shown.render, "use_persistent_data", True),
+    "a Shading Offset of the shadow terminator": lambda shown: setattr(
+        add_card(shown, "BsdfDiffuse"), "shadow_terminator_shading_offset", 0.4
+    ),
     "a view layer with a material override": lambda shown: setattr(
         shown.view_layers[0], "material_override", add_card(shown, "BsdfDiffuse").active_material
     ),
@@ -196,6 +199,7 @@ def test_advice_says_what_the_table_says(stage, situation):
         ("a thing hidden from shadow rays", ["Card (hidden from shadow rays)"]),
         ("a volume before a bound light", ["Haze (volume)"]),
         ("a world filled with a volume", ['world "World" (volume)']),
+        ("a Shading Offset of the shadow terminator", ["Card", "too bright"]),
         ("light groups", ["no light group"]),
         ("light passes", ["Emission pass"]),
     ],
@@ -275,6 +279,16 @@ def test_what_shadows_nothing_is_not_named(stage):
     card.active_material.use_transparent_shadow = True
     card.hide_render = True
     assert said(stage, "direct") == []
+
+
+def test_a_shading_offset_is_taken_back_by_its_button(stage):
+    card = add_card(stage, "BsdfDiffuse")
+    card.shadow_terminator_shading_offset = 0.4
+    (problem,) = said(stage, "mirror")
+    assert problem.costs
+    problem.mend()
+    assert said(stage, "mirror") == []
+    assert card.shadow_terminator_shading_offset == 0.0
 
 
 def test_small_lights_are_told_by_the_angle_at_which_objects_see_them(stage):
