@@ -217,5 +217,7 @@ def test_offsets_of_the_terminator_are_followed_or_said(picture, model, estimato
     )
     if estimator == "mirror" and "shading" in offsets and model != "marble":  # whose body is Cycles' own
         assert got > wanted * 1.05
+        if model == "diffuse":
+            assert got / wanted == pytest.approx(1.3, abs=0.05)  # docs/estimators.md rounds to a tenth
     else:
         assert got == pytest.approx(wanted, rel=MODELS_DIFFER)
