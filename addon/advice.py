@@ -23,6 +23,7 @@ from .material import (
     is_of_other_cycles,
     locked,
 )
+from .presets import TRANSPARENT
 from .rebuild import rebuild
 from .reference import cycles
 
@@ -43,7 +44,9 @@ FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light t
 FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
 
 
+DIFFUSE = {"oren_nayar", "sum", "car_paint"}  # models with a diffuse part that random facets mirror
 NAMES = {"auto": "Standard", "corrected": "Exact Lights", "mirror": "Reference"}  # others go by their own names
+SHARPEST = 0.075  # slope m up to which Cycles takes a lobe of its own, too, for a mirror when it stores denoising data
 LIGHTING_PASSES = ("diffuse", "glossy", "transmission", "subsurface")
 
 
@@ -84,7 +87,13 @@ def problems(
     if bound:
         found += [*_shadow_problems(backend, estimator, bound), *_emitted_problems(known, estimator)]
     if estimator not in NATIVE:
+        found += _terminator_problems(known, estimator, model)
         found += _picture_problems(known.scene, estimator, model, bound)
+        mirrored = estimator in RANDOM and (m > SHARPEST or model in DIFFUSE) and model != "translucent"
+        if mirrored or (
+            estimator in EVERY_LAMP and bound
+        ):  # of a translucent body Cycles stores what is below the coat
+            found += _denoiser_problems(known.scene, estimator)
     if estimator in {*NATIVE, "corrected", "hybrid"} and m > 1.0:
         but = " except at bound lights" if estimator == "corrected" else ""
         text = f"Cycles' own lobes end at m = 1, which is shown in place of m = {m:g}{but}; Reference has no such end"
@@ -342,6 +351,53 @@ def _emitted_problems(known: SceneFacts, estimator: str) -> Iterator[Problem]:
         yield Problem("passes", f"What {name} adds for bound lights stands in the Emission pass")
 
 
+def _denoiser_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
+    """What Cycles gives a denoiser beside the image, where that is not what its own closures would give.
+
+    Emission adds its radiance to the albedo. A mirror passes on the albedo and normal of what it reflects.
+    """
+    layers = [layer.cycles for layer in scene.view_layers if layer.use]
+    denoised = scene.cycles.use_denoising and any(layer.use_denoising for layer in layers)
+    guided = denoised and scene.cycles.denoising_input_passes != "RGB"
+    if not guided and not any(layer.denoising_store_passes for layer in layers):
+        return
+    name = name_of(estimator)
+    text = f"What {name} adds for bound lights stands in the Denoising Albedo"
+    if estimator == "direct":
+        text = f"{name} has its light in the Denoising Albedo, and no Denoising Normal"
+    elif estimator in RANDOM:
+        part = "a part of " if estimator == "hybrid" else ""
+        text = f"Denoising Albedo and Normal of {part}{name} are those of what its facets mirror"
+    if guided:
+        mend = partial(_set, scene.cycles, denoising_input_passes="RGB")
+        yield Problem("denoiser", text, "Denoise by Colour Alone", mend, "softer edges and textures")
+    else:
+        yield Problem("denoiser", text)
+
+
+def _terminator_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[Problem]:
+    """Cycles bends the cosine to each closure's own normal, and no light grazes a random facet."""
+    if known.shifted and estimator in {*RANDOM, "direct"} and model not in TRANSPARENT:
+        items = [item for name in known.shifted if (item := known.scene.objects.get(name)) is not None]
+        share = " where it mirrors" if estimator == "hybrid" else ""
+        text = (
+            f"{name_of(estimator)} does not follow a Shading Offset of the shadow terminator{share} and is too bright"
+        )
+        mend = partial(_clear_offsets, items)
+        yield Problem(
+            "terminator",
+            f"{text}: {', '.join(known.shifted)}",
+            "Set It to 0",
+            mend,
+            "jagged shadow lines on coarse meshes",
+        )
+
+
+def _clear_offsets(items: Sequence[Object]) -> None:
+    for item in items:
+        item.shadow_terminator_shading_offset = 0.0
+
+
 def _lighting_passes() -> list[str]:
     kinds = [f"{of}_{part}" for of in LIGHTING_PASSES for part in ("direct", "indirect", "color")]
     return [f"use_pass_{kind}" for kind in ("emit", *kinds)]
@@ -354,7 +410,7 @@ def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[
         mend = partial(_set, cycles, sample_clamp_direct=0.0)
         text = f"Clamp Direct is on and clamps the parts of {name} one by one, which changes their sum"
         yield Problem("clamp-direct", text, "Set Clamp Direct to 0", mend, "more fireflies")
-    diffuse = estimator in RANDOM and model in {"oren_nayar", "sum", "car_paint"}
+    diffuse = estimator in RANDOM and model in DIFFUSE
     if cycles.bake_type in {"DIFFUSE", "GLOSSY"} and (bound or diffuse):
         what = "what it adds for bound lights" if bound else "its diffuse part, which it mirrors"
         text = f"A {cycles.bake_type.title()} bake of {name} lacks {what}; bake Combined, or choose Standard"

@@ -92,8 +92,9 @@ class Traits:
 class SceneFacts:
     """See the module. Names are those of objects, or of the world.
 
-    seen_through: objects with a transparent material; unshadowed: those whose Shadow visibility is off; volumes: media;
-    ours: materials that we built, in use; groups: light groups that something is in.
+    seen_through: objects with a transparent material; unshadowed: those whose Shadow visibility is off; shifted: those
+    with a Shading Offset of the shadow terminator; volumes: media; ours: materials that we built, in use; groups: light
+    groups that something is in.
     """
 
     scene: Scene
@@ -103,6 +104,7 @@ class SceneFacts:
     volumes: tuple[str, ...]
     seen_through: tuple[str, ...]
     unshadowed: tuple[str, ...]
+    shifted: tuple[str, ...]
     catchers: tuple[str, ...]
     groups: tuple[str, ...]
     ours: tuple[Material, ...]
@@ -208,6 +210,7 @@ def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
             if any(looks[one].transparent and one.use_transparent_shadow for one in used)
         )),
         tuple(sorted(item.name for item in materials if not item.visible_shadow)),
+        tuple(sorted(item.name for item in materials if item.shadow_terminator_shading_offset > 0.0)),
         tuple(sorted(item.name for item in materials if item.is_shadow_catcher)),
         tuple(sorted({item.lightgroup for item in found if item.lightgroup} & _group_names(scene))),
         tuple(sorted((one for one in looks if is_ours(one)), key=lambda one: one.name)),

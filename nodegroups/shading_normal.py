@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 NAME = "VGroove Normal"
 REVISION = 2
 SPECULAR_NAME = "VGroove Specular Normal"
+SPECULAR_REVISION = 3
 SMOOTHING_NAME = "VGroove Bump Smoothing"
 TIP = "A bump or normal map; the surface's own if unlinked"
 LONGEST = 1e15  # its square is finite in float32
@@ -63,7 +64,7 @@ def raised(tree: Tree, given: Value, shader: Callable[[Value], NodeSocket]) -> N
 
 
 def _specular(tree: Tree, given: Value) -> Node:
-    return tree.group(ensure(SPECULAR_NAME, REVISION, build_specular), Normal=given)
+    return tree.group(ensure(SPECULAR_NAME, SPECULAR_REVISION, build_specular), Normal=given)
 
 
 def build_specular(tree: Tree) -> None:
@@ -72,12 +73,15 @@ def build_specular(tree: Tree) -> None:
     In the plane of N and Ng, I and R have the same length; with R . Ng = t, N halves the angle between them. Written
     out, with c = Ng . I, d = N . Ng and u = N . I - d c, the sine of N's tilt times I's part along it:
     d + k = (sqrt(u^2 + (1 - d^2) (c^2 - t^2)) - u) / (c - t).
-    Cycles solves a quartic for the same normal (``ensure_valid_specular_reflection`` in kernel/closure/bsdf_util.h).
+    Cycles solves a quartic for the same normal (``ensure_valid_specular_reflection`` in kernel/closure/bsdf_util.h). It
+    leaves curves alone: a ribbon faces the viewer while N goes around the hair.
     """
     N = shading_normal(tree, interface(tree))
     Ng, I = tree.geometry("True Normal"), tree.geometry("Incoming")
-    with tree.frame("-R . Ng > -t, or nearly: k is 0 where the view itself is that low"):
-        below = greater(dot(tree.math("REFLECT", I, N), Ng), -LOWEST)
+    with tree.frame("-R . Ng > -t, or nearly: k is 0 where the view itself is that low; never on hair, as in Cycles"):
+        on_hair = Value(tree, output(tree.node("ShaderNodeHairInfo"), "Is Strand"))
+        threshold = tree.math("MULTIPLY_ADD", on_hair, 2.0, -LOWEST)  # no cosine is above 1
+        below = greater(dot(tree.math("REFLECT", I, N), Ng), threshold)
     with tree.frame("k"):
         c, d = dot(Ng, I), dot(N, Ng)
         t = minimum(VIEW_SHARE * c, LOWEST)

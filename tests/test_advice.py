@@ -4,11 +4,13 @@
 import math
 from pathlib import Path
 
+import bpy
 import numpy as np
 import pytest
 
 from vgroove.addon import advice, assignment, facts, headless, images, lamps, material, presets, scene, versions
 from vgroove.addon.material import lamps_to_bind
+from vgroove.addon.report import everyday_scenes
 
 pytestmark = pytest.mark.blender
 
@@ -42,8 +44,6 @@ def stage(blender):
 
 
 def add(shown, name, data, at=(0.0, 0.0, 0.0)):
-    import bpy
-
     item = bpy.data.objects.new(name, data)
     item.location = at
     shown.collection.objects.link(item)
@@ -51,8 +51,6 @@ def add(shown, name, data, at=(0.0, 0.0, 0.0)):
 
 
 def add_light(shown, name, kind="SUN", at=(0.0, 0.0, 5.0), size=0.0):
-    import bpy
-
     data = bpy.data.lights.new(name, kind)
     setattr(data, {"SUN": "angle", "AREA": "size"}.get(kind, "shadow_soft_size"), size)
     return add(shown, name, data, at)
@@ -66,8 +64,6 @@ def nodes_of(owner):
 
 def add_card(shown, node, socket="Surface", name="Card"):
     """A square metre of one shader node between the objects and the light."""
-    import bpy
-
     mesh, made = bpy.data.meshes.new(name), bpy.data.materials.new(name)
     mesh.from_pydata([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)], [], [(0, 1, 2, 3)])
     tree = nodes_of(made)
@@ -78,8 +74,6 @@ def add_card(shown, node, socket="Surface", name="Card"):
 
 
 def add_world(shown, node, socket="Surface"):
-    import bpy
-
     shown.world = bpy.data.worlds.new("World")
     tree = nodes_of(shown.world)
     shader, out = tree.nodes.new(f"ShaderNode{node}"), tree.nodes.new("ShaderNodeOutputWorld")
@@ -88,8 +82,6 @@ def add_world(shown, node, socket="Surface"):
 
 
 def by_instance(shown):
-    import bpy
-
     rig, sun = bpy.data.collections.new("Rig"), add_light(shown, "Sun")
     shown.collection.objects.unlink(sun)
     rig.objects.link(sun)
@@ -99,8 +91,6 @@ def by_instance(shown):
 
 
 def by_nested_instance(shown):
-    import bpy
-
     inner, outer = by_instance(shown), bpy.data.collections.new("Outer")
     shown.collection.objects.unlink(inner)
     outer.objects.link(inner)
@@ -109,8 +99,6 @@ def by_nested_instance(shown):
 
 
 def in_background_set(shown):
-    import bpy
-
     behind, sun = bpy.data.scenes.new("Stage"), add_light(shown, "Sun")
     shown.collection.objects.unlink(sun)
     behind.collection.objects.link(sun)
@@ -147,18 +135,22 @@ SITUATIONS = {
     "Clamp Indirect": lambda shown: setattr(shown.cycles, "sample_clamp_indirect", 1.0),
     "light groups": in_groups,
     "light passes": lambda shown: setattr(shown.view_layers[0], "use_pass_glossy_direct", True),
+    "a denoiser, or Denoising Data": lambda shown: setattr(shown.cycles, "use_denoising", True),
     "a shadow catcher": lambda shown: setattr(add_card(shown, "BsdfDiffuse"), "is_shadow_catcher", True),
     "baking Combined": lambda shown: setattr(shown.cycles, "bake_type", "COMBINED"),
     "baking Glossy": lambda shown: setattr(shown.cycles, "bake_type", "GLOSSY"),
     "persistent data": lambda shown: setattr(shown.render, "use_persistent_data", True),
+    "a Shading Offset of the shadow terminator": lambda shown: setattr(
+        add_card(shown, "BsdfDiffuse"), "shadow_terminator_shading_offset", 0.4
+    ),
     "a view layer with a material override": lambda shown: setattr(
         shown.view_layers[0], "material_override", add_card(shown, "BsdfDiffuse").active_material
     ),
 }
 
 
-def said(shown, estimator, **more):
-    return [p for p in advice.problems(shown, "nodes", estimator, **more) if p.key not in ALWAYS]
+def said(shown, estimator, m=0.3, **more):
+    return [p for p in advice.problems(shown, "nodes", estimator, m, **more) if p.key not in ALWAYS]
 
 
 def test_the_table_has_a_row_for_each_situation():
@@ -193,6 +185,8 @@ def test_advice_says_what_the_table_says(stage, situation):
         ("a thing hidden from shadow rays", ["Card (hidden from shadow rays)"]),
         ("a volume before a bound light", ["Haze (volume)"]),
         ("a world filled with a volume", ['world "World" (volume)']),
+        ("a Shading Offset of the shadow terminator", ["Card", "too bright"]),
+        ("a denoiser, or Denoising Data", ["Albedo", "Normal", "Reference"]),
         ("light groups", ["no light group"]),
         ("light passes", ["Emission pass"]),
     ],
@@ -214,8 +208,6 @@ def shot(shown, folder):
 @pytest.mark.parametrize("estimator", ["closure", "corrected", "hybrid", "mirror", "direct"])
 def test_bound_lights_move_in_a_scene_that_cycles_keeps(stage, tmp_path, estimator):
     """Persistent data: the second frame equals that of a freshly synced scene, to the last digit."""
-    import bpy
-
     ball, point = add(stage, "Ball", scene.ball_mesh(32, 16)), stage.objects["Point"]
     stage.camera = add(stage, "Camera", bpy.data.cameras.new("Camera"), (0.0, -6.0, 0.0))
     stage.camera.rotation_euler = (math.radians(90.0), 0.0, 0.0)
@@ -272,6 +264,70 @@ def test_what_shadows_nothing_is_not_named(stage):
     card.active_material.use_transparent_shadow = True
     card.hide_render = True
     assert said(stage, "direct") == []
+
+
+def test_a_shading_offset_is_taken_back_by_its_button(stage):
+    card = add_card(stage, "BsdfDiffuse")
+    card.shadow_terminator_shading_offset = 0.4
+    (problem,) = said(stage, "mirror")
+    assert problem.costs
+    problem.mend()
+    assert said(stage, "mirror") == []
+    assert card.shadow_terminator_shading_offset == 0.0
+
+
+def albedo_and_normal(shown, estimator, preset):
+    """Denoising data of a ball that fills the image, under the stage's point and a dim sky: (H, W, 3) each."""
+    shown.view_layers[0].cycles.denoising_store_passes = True
+    shown.world = bpy.data.worlds.new("World")
+    ball = add(shown, "Ball", scene.ball_mesh(32, 16))
+    shown.camera = add(shown, "Camera", bpy.data.cameras.new("Camera"), (0.0, -3.0, 0.0))
+    shown.camera.rotation_euler = (math.radians(90.0), 0.0, 0.0)
+    shown.camera.data.lens = 100.0
+    shown.render.resolution_x = shown.render.resolution_y = 16
+    shown.cycles.samples = 16
+    ball.data.materials.append(
+        material.build(preset, material.Choice("nodes", estimator, lamps_to_bind(shown, estimator, preset.model)))
+    )
+    with headless.quiet():
+        return [everyday_scenes._pass(shown, name) for name in ("Denoising Albedo", "Denoising Normal")]
+
+
+@pytest.mark.parametrize("subject", ["metals/copper", "diffuse/plaster", "plastics/red_plastic"])
+def test_denoisers_are_given_what_the_page_says(blender, subject):
+    """Standard and Exact Lights have closure's normals, and its albedo to 1 %, and as much as their light differs."""
+    preset = presets.find(subject)
+    found = {}
+    for estimator in ("closure", "fit", "corrected", "mirror", "direct"):
+        with headless.quiet():
+            blender.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        shown = blender.context.scene
+        shown.render.engine = "CYCLES"
+        scene.exact(shown)
+        add_light(shown, "Point", "POINT", at=(0.0, -2.0, 3.0)).data.energy = 100.0
+        found[estimator] = albedo_and_normal(shown, estimator, preset)
+    albedo, normal = found["closure"]
+    assert np.linalg.norm(normal, axis=-1).min() > 0.9
+    for estimator in ("fit", "corrected"):
+        assert np.abs(found[estimator][0] - albedo).mean() < 0.01
+        assert np.abs(found[estimator][1] - normal).mean() < 0.01
+    for estimator in ("mirror", "direct"):
+        assert np.abs(found[estimator][0] - albedo).mean() > 0.01
+        assert np.linalg.norm(found[estimator][1], axis=-1).max() < 0.1
+
+
+def test_denoisers_that_take_no_passes_are_not_warned_of(stage):
+    """Nor narrow lobes, through which Cycles looks by closure, too; and passes that are stored are said."""
+    stage.cycles.use_denoising = True
+    assert said(stage, "mirror", m=0.05) == []
+    assert [p.key for p in said(stage, "mirror", m=0.05, model="oren_nayar")] == ["denoiser"]
+    (problem,) = said(stage, "mirror")
+    assert problem.costs
+    problem.mend()
+    assert said(stage, "mirror") == []
+    stage.view_layers[0].cycles.denoising_store_passes = True
+    (problem,) = said(stage, "corrected")
+    assert (problem.key, problem.mend) == ("denoiser", None)
 
 
 def test_small_lights_are_told_by_the_angle_at_which_objects_see_them(stage):

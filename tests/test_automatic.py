@@ -146,6 +146,42 @@ def test_what_nothing_was_measured_of_is_said(blender, lit, monkeypatch):
     assert pick.estimator == "fit"
 
 
+LIGHT = {
+    "furnace": "even",
+    "environment": "picture",
+    "checker": "picture",
+    "softbox": "lights",
+    "sun": "lights",
+    "outdoors": "picture and lights",
+}
+
+
+@pytest.mark.parametrize("blender_version", RUNS)
+def test_each_model_is_called_measured_where_the_report_measured_it(blender_version):
+    """Both estimators that Automatic compares. Frosted and smooth glass have no second one to compare with."""
+    found = {}
+    for key, cell in record.read(REPORT)["runs"][blender_version]["cells"].items():
+        if key.startswith("accuracy/") and {"fit", "closure"} <= {c["estimator"] for c in cell["contenders"].values()}:
+            found.setdefault(cell["model"], set()).add(LIGHT[cell["scene"]])
+    assert found == automatic.MEASURED
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("denoised", [False, True])
+@pytest.mark.parametrize("name", list(LIGHT))
+def test_a_comparison_is_told_only_of_a_model_that_it_was_measured_for(blender, name, denoised):
+    """Elsewhere the tables are those of copper, plaster and plastic: what they compare is an estimate then."""
+    with headless.quiet(), stage(name, 8) as shown:
+        shown.scene.cycles.use_denoising = denoised
+        known = facts.of(shown.scene)
+        subjects = ("lecture/copper", "plastics/red_plastic", "car_paints/blue", "translucent/marble")
+        found = [(preset, automatic.pick(known, preset).why) for preset in map(find, subjects)]
+    for preset, why in found:
+        measured = LIGHT[name] in automatic.MEASURED[preset.model]
+        assert (f"not measured for the model {preset.model}" in why) == (not measured)
+        assert measured or not any(words in why for words in ("bias", "noise", "closer", "quickest", "samples")), why
+
+
 @pytest.mark.blender
 def test_beyond_the_end_of_native_lobes_the_reason_says_so(lit):
     pick = automatic.pick(lit, find("lecture/copper").with_parameters(m=2.0))

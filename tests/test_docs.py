@@ -57,6 +57,14 @@ GIVEN = {
         "at most 0.008": "a bar of tests/test_colour_space.py",
         "at most 0.25": "a bar of tests/test_colour_space.py",
     },
+    "docs/estimators.md": {
+        "albedo of Fit is within 1 % of": "a bar of tests/test_advice.py",
+        "up to 0.01 on average": "a bar of tests/test_advice.py",
+        "slope m up to 0.075": "advice.SHARPEST, as in Cycles",
+        "| −5.5 % | −2.5 % | +5 % | +32 % |": "what tests/test_bump.py measures",
+        "| −6 % | −4.5 % | −0.5 % | +17 % |": "what tests/test_bump.py measures",
+        "is 30 % too bright": "what tests/test_bump.py measures",
+    },
     "docs/glass.md": {"R + T = 1 to 1e-4": "a bar of tests/test_glass.py"},
     "docs/oren_nayar.md": {
         "0.1 to 5 %": "the bounds that there are",

@@ -13,11 +13,12 @@ from vgroove.addon.report.findings import DOUBT, TOLD
 pytestmark = pytest.mark.blender
 
 ROWS = [
-    pytest.param(name, subject, marks=pytest.mark.more if one.slow else ())
+    (name, subject)
     for name, one in SCENES.items()
-    if versions.since(*one.since)
+    if versions.since(*one.since) and not one.slow
     for subject in one.subjects
 ]
+SLOW = [(name, subject) for name, one in SCENES.items() if one.slow for subject in one.subjects]
 SUBJECTS = sorted({subject for one in SCENES.values() for subject in one.subjects})
 LIT = [subject for subject in SUBJECTS if everyday.preset_of(subject).model != "glass"]
 
@@ -25,6 +26,17 @@ LIT = [subject for subject in SUBJECTS if everyday.preset_of(subject).model != "
 @pytest.mark.parametrize(("name", "subject"), ROWS)
 def test_default_material_shows_what_the_nearest_native_one_does(blender, name, subject):
     """Its mean lies in the band, within chance; no pixel is black or bright alone; and nothing is said for nothing."""
+    agrees(name, subject)
+
+
+@pytest.mark.newest
+@pytest.mark.parametrize(("name", "subject"), SLOW)
+def test_default_material_shows_it_in_eevee_too(blender, name, subject):
+    """Each row takes seconds, most of them for a render without a window."""
+    agrees(name, subject)
+
+
+def agrees(name, subject):
     with headless.quiet():
         seen = everyday.look(name, subject)
     found = everyday.judge(seen.ours, seen.natives, seen.where)

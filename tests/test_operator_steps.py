@@ -1,29 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random steps of an artist: no exception, no invalid driver, nothing left behind, materials like new ones."""
+"""Steps of an artist that hypothesis chooses: no exception, no invalid driver, nothing left behind, and materials that
+equal new ones and render like them."""
 
-import random
+import tempfile
+from collections import Counter
+from contextlib import contextmanager
 from pathlib import Path
 
+import bpy
+import numpy as np
 import pytest
+from hypothesis import HealthCheck, Phase, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
 
 import vgroove
 from vgroove import nodegroups
-from vgroove.addon import headless, material, origin, presets, rebuild, roles
+from vgroove.addon import gonio, headless, material, origin, presets, rebuild, roles, scene
 from vgroove.nodegroups import trajectory
 
 pytestmark = pytest.mark.blender
 
-RUNS, STEPS = 10, 50
+RUNS, STEPS = 11, 50  # hypothesis begins with a run that is as simple as can be
+SIZE, SAMPLES, RENDERED = (
+    16,
+    2,
+    3,
+)  # pixels a side, samples per pixel, and at most so many materials at the end of a run
+AWAY = 1000.0  # metres to the stage on which materials are rendered, out of sight of what the artist made
 PRESETS = ("lecture/copper", "plastics/red_plastic", "glasses/bk7_crown_glass", "time_varying/yellowing_paper")
-ESTIMATORS = ("closure", "mirror", "direct", "auto")  # of which groups are built in a moment; mirror binds lights too
+ESTIMATORS = ("closure", "mirror", "direct", "auto", "hybrid")  # others take the same ways through the builder
 KINDS = ("SUN", "POINT", "SPOT", "AREA")
+CHOICES = st.randoms(use_true_random=False)
 
 
 class Artist:
-    """Takes steps in Blender's default scene; ``log`` tells them when a test fails."""
+    """Takes steps in Blender's default scene; ``log`` tells them when a test fails.
 
-    def __init__(self, bpy, seed, folder):
-        self.bpy, self.random, self.folder, self.log = bpy, random.Random(seed), folder, [f"seed {seed}"]  # noqa: S311 - steps, not secrets
+    random: what a step leaves open is chosen by it; each step brings its own, so that hypothesis can shorten a failure.
+    """
+
+    def __init__(self, folder):
+        self.bpy, self.random, self.folder, self.log, self.applied = bpy, None, folder, [], set()
 
     # What there is
 
@@ -62,6 +80,7 @@ class Artist:
     def apply(self):
         settings, course = self.scene.vgroove, self.scene.vgroove_course
         settings.preset, settings.estimator = self.random.choice(PRESETS), self.random.choice(ESTIMATORS)
+        self.applied.add(settings.estimator)
         settings.backend = "osl" if self.random.random() < 0.1 else "nodes"
         course.play, course.driving = self.random.random() < 0.7, self.random.choice(("curves", "age"))
         self.operator("apply")
@@ -170,20 +189,15 @@ class Artist:
 
     # What holds
 
-    def step(self):
-        often = [self.select, self.apply, self.quality, self.press, self.edit, self.undo]
-        rest = [
-            self.texture, self.mix, self.key, self.take_away, self.duplicate, self.add_light, self.rename_light,
-            self.retype_light, self.delete_light, self.redo, self.reload, self.append, self.override,
-        ]  # fmt: skip
-        chosen = self.random.choice(often if self.random.random() < 0.5 else rest)
-        self.log.append(chosen.__name__)
+    def step(self, name, chosen_by):
+        self.random = chosen_by
+        self.log.append(name)
         before = self.orphans()
-        chosen()
-        if chosen.__name__ in {"apply", "quality", "press"}:
+        getattr(self, name)()
+        if name in {"apply", "quality", "press"}:
             assert self.orphans() <= before, self.log
-        if chosen.__name__ not in {"undo", "redo"}:
-            self.bpy.ops.ed.undo_push(message=chosen.__name__)
+        if name not in {"undo", "redo"}:
+            self.bpy.ops.ed.undo_push(message=name)
         self.check()
 
     def check(self):
@@ -199,7 +213,11 @@ class Artist:
         return {one.name for one in (*self.bpy.data.actions, *groups) if not one.users}
 
     def compare(self):
-        """Each material, once updated, equals a new one of its preset and numbers, except for what the artist did."""
+        """Each material, once updated, equals a new one of its preset and numbers, except for what the artist did.
+
+        The first few of different kinds that the artist left as they were built also render like the new ones.
+        """
+        rendered = set()
         for made in self.ours():
             if material.locked(made):
                 continue
@@ -222,31 +240,146 @@ class Artist:
             assert len(roles.nodes(made, roles.LIGHT)) == len(lamps), self.log
             settings = [(one.cycles.use_bump_map_correction, one.cycles.emission_sampling) for one in (made, new)]
             assert settings[0] == settings[1], self.log
+            kind = (record.preset.id, record.estimator, record.backend)
+            if not _is_changed(made, new):
+                assert _links(made) == _links(new), (self.log, made.name)
+                if len(rendered) < RENDERED and kind not in rendered:
+                    rendered.add(kind)
+                    self.render_alike(made, new)
             self.bpy.data.materials.remove(new)
+        return rendered
+
+    def render_alike(self, made, new):
+        with probe(self.scene) as render:
+            got, wanted = render(made), render(new)
+        assert np.isfinite(got).all(), (self.log, made.name)
+        # The same nodes, numbers and seed: what a number's last digit does to a float32 render, and no more.
+        np.testing.assert_allclose(got, wanted, rtol=1e-4, atol=1e-4 * wanted.max(), err_msg=str((self.log, made.name)))
+
+
+@contextmanager
+def probe(shown):
+    """A function that renders a material on a ball far from the artist's objects, by the artist's lights."""
+    shown.render.engine, shown.cycles.samples, shown.cycles.seed = "CYCLES", SAMPLES, 0
+    shown.cycles.use_denoising = shown.cycles.use_adaptive_sampling = False
+    shown.render.resolution_x = shown.render.resolution_y = SIZE
+    shown.render.resolution_percentage = 100
+    shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
+    camera = bpy.data.objects.new("Probe", bpy.data.cameras.new("Probe"))
+    ball = bpy.data.objects.new("Probe", scene.ball_mesh(16, 8))
+    ball.location, camera.location = (0.0, 0.0, -AWAY), (0.0, 0.0, 4.0 - AWAY)
+    camera.data.lens = 80.0
+    for item in (camera, ball):
+        shown.collection.objects.link(item)
+    ball.data.materials.append(None)
+    shown.camera = camera
+
+    def render(made):
+        ball.data.materials[0] = made
+        shown.cycles.shading_system = origin.read(made).backend == "osl"
+        return gonio.rendered(shown)
+
+    try:
+        yield render
+    finally:
+        for item in (camera, ball):
+            bpy.data.objects.remove(item)
+
+
+def _is_changed(made, new):
+    """Whether an artist added nodes, took some away, or set keys: all of that is kept."""
+    return _roles(made) != _roles(new) or bool(material.curves(made))
+
+
+def _roles(made):
+    """Of each node but frames; None for an artist's own."""
+    return Counter(node.get(roles.KEY) for node in made.node_tree.nodes if node.bl_idname != "NodeFrame")
+
+
+def _links(made):
+    return sorted(
+        (one.from_node.bl_idname, one.from_socket.name, one.to_node.bl_idname, one.to_socket.name)
+        for one in made.node_tree.links
+    )
 
 
 def _plain(value):
     return list(value) if hasattr(value, "__len__") else value
 
 
-@pytest.mark.parametrize("seed", range(RUNS))
-def test_random_steps_go_well(blender, tmp_path, seed):
-    """500 in all; the log of a failure tells what to do to see it."""
-    with headless.quiet():
-        blender.ops.wm.read_factory_settings()
-    vgroove.register()
-    try:
-        artist = Artist(blender, seed, Path(tmp_path))
+OFTEN = ("edit", "select", "apply", "quality", "press", "undo")  # half of all steps
+RARE = (
+    "texture", "mix", "key", "take_away", "duplicate", "add_light", "rename_light", "retype_light", "delete_light",
+    "redo", "reload", "append", "override",
+)  # fmt: skip
+
+
+class Session(RuleBasedStateMachine):
+    """A session of Blender, of which there is one: it begins with factory settings and ends with the comparison."""
+
+    done, applied, rendered = 0, set(), set()
+
+    def __init__(self):
+        super().__init__()
+        self.folder = tempfile.TemporaryDirectory(prefix="vgroove-")
         with headless.quiet():
-            blender.ops.ed.undo_push(message="start")
-            for _ in range(STEPS):
-                artist.step()
-            artist.compare()
-    except Exception as error:
-        error.add_note("\n".join(artist.log))
-        raise
-    finally:
-        vgroove.unregister()
+            bpy.ops.wm.read_factory_settings()
+            vgroove.register()
+            bpy.ops.ed.undo_push(message="start")
+        self.artist, self.failed = Artist(Path(self.folder.name)), False
+
+    def take(self, name, chosen_by):
+        Session.done += 1
+        with self.told():
+            self.artist.step(name, chosen_by)
+
+    @contextmanager
+    def told(self):
+        """What went before, in what a failure says."""
+        try:
+            with headless.quiet():
+                yield
+        except Exception as error:
+            self.failed = True
+            error.add_note("\n".join(self.artist.log))
+            raise
+
+    @initialize(chosen_by=CHOICES)
+    def begin(self, chosen_by):
+        self.take("apply", chosen_by)
+
+    @rule(name=st.sampled_from(OFTEN), chosen_by=CHOICES)
+    def often(self, name, chosen_by):
+        self.take(name, chosen_by)
+
+    @rule(name=st.sampled_from(RARE), chosen_by=CHOICES)
+    def rarely(self, name, chosen_by):
+        self.take(name, chosen_by)
+
+    def teardown(self):
+        try:
+            if not self.failed:
+                with self.told():
+                    Session.rendered |= self.artist.compare()
+        finally:
+            Session.applied |= self.artist.applied
+            vgroove.unregister()
+            self.folder.cleanup()
+
+
+def test_random_steps_go_well(blender):
+    """Some 500 in all, the same whenever the test runs; a failure is shortened to the steps that it takes."""
+    Session.done, Session.applied, Session.rendered = 0, set(), set()
+    run_state_machine_as_test(
+        Session,
+        settings=settings(
+            max_examples=RUNS, stateful_step_count=STEPS, derandomize=True, database=None, deadline=None,
+            phases=(Phase.generate, Phase.shrink), report_multiple_bugs=False, suppress_health_check=list(HealthCheck),
+        ),
+    )  # fmt: skip
+    assert Session.done > RUNS * STEPS * 0.8
+    assert Session.applied == set(ESTIMATORS)
+    assert len(Session.rendered) > RENDERED
 
 
 def test_groups_are_found_by_what_they_were_built_as(blender):

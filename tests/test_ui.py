@@ -141,7 +141,7 @@ def test_mend_all_leaves_alone_what_costs_something_elsewhere(extension):
     assert (stage.render.engine, stage.cycles.shading_system) == ("CYCLES", True)
     assert light.cycles.use_multiple_importance_sampling
     left = [problem for problem in operators.current_problems(stage) if problem.mend]
-    assert {"small", "adaptive", "filter", "clamp", "caustics"} == {problem.key for problem in left}
+    assert {"small", "adaptive", "filter", "clamp", "caustics", "denoiser"} == {problem.key for problem in left}
     assert all(problem.costs for problem in left)
 
 

@@ -60,7 +60,7 @@ FAINT = 0.25  # of the native picture's mean: differences of less are not seen
 FACTOR = 2.0  # a pixel is black below its darkest native neighbour over this, bright above the brightest times this
 CHANCE = 6.0  # standard errors; the noise of 3 x 3 pixels by two seeds is known to 24 %, which leaves 4.5 at least
 MEAN_NOISE = 0.8  # of |x| of a normal variable, in its standard deviations; where tails are heavier it is less
-BEACON = 2e4  # radiance that tells in which pixels the material is seen; half floats, as in EEVEE, end at 65504
+BEACON = 2e4  # radiance that tells in which pixels the material is seen
 TIMING_SIZE, TIMING_SAMPLES, ROUNDS = 48, 128, 5
 
 
@@ -139,15 +139,20 @@ def _give(shown: Scene, made: Material, shot: Shot) -> None:
 
 
 def _pictures(shown: Scene, shot: Shot) -> Floats:
-    found = []
+    """EEVEE draws nothing from a seed, and a render without a window takes seconds: one stands for all."""
+    found: list[NDArray[np.float32]] = []
     for seed in SEEDS:
+        if found and shown.render.engine != "CYCLES":
+            found.append(found[0])
+            continue
         shown.cycles.seed = seed
         found.append(shot.render(shown))
     return np.stack(found).astype(np.float64)
 
 
 def _where(shown: Scene, shot: Shot) -> NDArray[np.bool_]:
-    """The pixels in which the material is seen, also through glass and in mirrors: where it would shine."""
+    """The pixels in which the material is seen, also through glass and in mirrors: where it would shine in Cycles."""
+    shown.render.engine = "CYCLES"
     shown.view_layers[0].material_override = None
     shown.cycles.sample_clamp_direct = shown.cycles.sample_clamp_indirect = 0.0
     shown.cycles.use_denoising = False

@@ -598,10 +598,10 @@ def osl_on(shown: Scene) -> None:
     map_of(shown, "forest")
 
 
-@everyday("EEVEE", "copper", "plaster", slow=True, says=("engine is not Cycles",))
+@everyday("EEVEE", "copper", "plaster", "plastic", slow=True, says=("engine is not Cycles", *SAYS_FRESNEL))
 def eevee(shown: Scene) -> None:
     shown.render.engine = "BLENDER_EEVEE" if MODERN else "BLENDER_EEVEE_NEXT"
-    shown.eevee.taa_render_samples = 8
+    shown.eevee.taa_render_samples = 1  # both materials are seen through the same ones, of which each takes a second
     light(shown, "SUN", 3.0)
 
 

@@ -49,8 +49,8 @@ class Shot:
 class Everyday:
     """A scene and the presets that are tried in it.
 
-    says: words of the warnings that are right here. since: the first Blender that can do it. slow: for the report
-    alone. timed: whether its time is judged; a scene's that takes one is.
+    says: words of the warnings that are right here. since: the first Blender that can do it. slow: tested on
+    the newest Blender alone. timed: whether its time is judged; a scene's that takes one is.
     """
 
     title: str

@@ -105,12 +105,15 @@ normal shading_normal(normal given)
 }
 
 // The same for closures that mirror, raised toward Ng until the view's mirror image is above the surface: N + k Ng, as
-// nodegroups/shading_normal.py derives it
+// nodegroups/shading_normal.py derives it; not on hair, whose ribbons face the viewer while N goes around it
 normal specular_normal(normal given)
 {
     normal n = shading_normal(given);
     float c = dot(Ng, I), d = dot(n, Ng), no = dot(n, I), t = min(0.9 * c, 0.01);
     if (2 * no * d - c >= t) return n;
+    float on_hair = 0;
+    getattribute("geom:is_curve", on_hair);
+    if (on_hair) return n;
     float u = no - d * c, k = (sqrt(u * u + (1 - d * d) * (c * c - t * t)) - u) / (c - t) - d;
     return normalize(n + k * Ng);
 }
