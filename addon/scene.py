@@ -162,9 +162,7 @@ def size(scene: Scene) -> tuple[int, int]:
 
 def composites(scene: Scene) -> bool:
     """Whether the compositor has a say in the scene's picture."""
-    if not versions.since(5, 0):
-        return bool(scene.render.use_compositing and scene.use_nodes and scene.node_tree)
-    return bool(scene.render.use_compositing and scene.compositing_node_group)
+    return scene.render.use_compositing and versions.has_compositor(scene)
 
 
 def has_strips(scene: Scene) -> bool:

@@ -13,7 +13,7 @@ import bpy
 from .reference import cycles
 
 if TYPE_CHECKING:
-    from bpy.types import Light, Material, NodeTree, World
+    from bpy.types import Light, Material, NodeTree, Scene, World
 
 TESTED = ((4, 5), (5, 2), (5, 3))
 
@@ -71,3 +71,12 @@ def nodes_of(owner: Material | World | Light) -> NodeTree:
 def used_nodes(owner: Material | World | Light) -> NodeTree | None:
     """The node tree that a material, world or light renders with; None where it has none, or does not use it."""
     return owner.node_tree if owner.node_tree is not None and (since(5, 0) or owner.use_nodes) else None
+
+
+def has_compositor(scene: Scene) -> bool:
+    """Whether a scene has compositor nodes that are switched on: several groups from 5.3 on, one before."""
+    if since(5, 3):
+        return any(effect.enable_for_render and effect.node_group for effect in scene.compositor_effects)
+    if since(5, 0):
+        return scene.compositing_node_group is not None
+    return bool(scene.use_nodes and scene.node_tree)

@@ -171,6 +171,8 @@ class Artist:
     def override(self):
         for item in self._take(link=True):
             if item.type == "MESH":
+                if item not in self.scene.collection.objects[:]:  # 5.3 overrides what is in use alone
+                    self.scene.collection.objects.link(item)
                 self.scene.collection.objects.link(item.override_create())
 
     def _take(self, *, link):
