@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Translucent"
-REVISION = 4
+REVISION = 5
 
 
 def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bool = False) -> None:
