@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..nodegroups import lamp
+from ..nodegroups import fit_table, lamp
 from ..nodegroups.osl_script import OslError
 from . import facts, lamps, rays, versions
 from .material import (
@@ -188,7 +188,10 @@ def _update_all(found: Sequence[Material], scene: Scene) -> None:
 
 
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
-    """Materials that lost their node group, and those made before a light was added or lost its size."""
+    """Materials that lost their node group or table, and those made before a light was added or lost its size."""
+    if fit_table.lost():
+        text = f"The image {fit_table.NAME} was deleted: materials that need it render pink"
+        yield Problem("table", text, "Update", fit_table.restore)
     for made, origin in known.origins.items():
         update = None if locked(made) else partial(_update, made, known.scene)
         if origin is None:

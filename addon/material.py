@@ -23,6 +23,7 @@ from ..nodegroups import (
     cook_torrance_hybrid,
     cook_torrance_mirror,
     eevee,
+    fit_table,
     fresnel,
     glass_closure,
     glass_mirror,
@@ -86,13 +87,11 @@ KEY = roles.KEY  # custom property on a material: what it was built from
 RANDOM = ("hybrid", "mirror")  # of facets that are drawn for each sample
 # How many lights may be bound where Cycles' stack of 255 floats has no room for eight: what outgrows it renders black.
 # Measured with room to spare for an artist's own nodes, in 4.5, which keeps more on it, without (tests/test_stack.py).
-MOST_LIGHTS = {
-    ("car_paint", "corrected"): 1, ("car_paint", "hybrid"): 1, ("sum", "corrected"): 3, ("sum", "hybrid"): 5,
-}  # fmt: skip
+MOST_LIGHTS = {("car_paint", "corrected"): 4, ("car_paint", "hybrid"): 3}
 if not versions.since(5, 0):
     MOST_LIGHTS = {
-        ("car_paint", "corrected"): 2, ("car_paint", "hybrid"): 2, ("car_paint", "direct"): 6, ("sum", "corrected"): 4,
-        ("translucent", "corrected"): 4, ("cook_torrance", "corrected"): 3, ("oren_nayar", "corrected"): 6,
+        ("car_paint", "corrected"): 3, ("car_paint", "hybrid"): 3, ("car_paint", "direct"): 6, ("sum", "corrected"): 5,
+        ("translucent", "corrected"): 4, ("cook_torrance", "corrected"): 4, ("oren_nayar", "corrected"): 6,
     }  # fmt: skip
 EVERY_LAMP = ("corrected", "direct")  # what evaluates the formula at bound lamps of any size
 
@@ -590,6 +589,7 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.lamps and not binds("direct", 0.0, preset.model):
         message = f"{preset.id} is {preset.model}, which evaluates no lamps by itself; leave lamps empty"
         raise MaterialError(message)
+    fit_table.restore()  # groups that are there already may have lost it
     module = known[choice.estimator]
     name, arguments = _form(preset)
     label = f"{module.NAME} {name}".strip()

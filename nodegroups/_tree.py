@@ -80,6 +80,12 @@ class Value:
         x, y, z = (Value(self.tree, output(apart, name)) for name in "XYZ")
         return x, y, z
 
+    @property
+    def rgb(self) -> tuple[Value, Value, Value]:
+        """The three components of a colour: one step in Cycles, for which ``xyz`` takes four."""
+        r, g, b = self.tree.node("ShaderNodeSeparateColor", self).outputs
+        return Value(self.tree, r), Value(self.tree, g), Value(self.tree, b)
+
 
 class Tree:
     """A node group under construction."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Car Paint"
-REVISION = 4
+REVISION = 5
 OWN = {"F0", "F82 Tint", "Slope m"}  # inputs that each lobe has for itself
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Cook-Torrance Corrected"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
@@ -36,6 +36,7 @@ def build(tree: Tree, kind: str, lamps: int) -> None:
 def build_osl(tree: Tree, kind: str, lamps: int) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=10.0)
     beams = beam_interfaces(tree, lamps)
-    shaders = [cook_torrance.script(tree, "fit", kind, inputs).outputs[0]]
-    shaders += [direct.emission_osl(tree, kind, inputs, beams, "correction")] if beams else []
+    mixture = fit.for_script(tree, inputs)
+    shaders = [cook_torrance.script(tree, "fit", kind, inputs, **mixture).outputs[0]]
+    shaders += [direct.emission_osl(tree, kind, inputs, beams, "correction", **mixture)] if beams else []
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Estimator ``fit``: the V-groove model as a fixed mixture of Cycles' own Beckmann lobes. Nothing is random.
 
-Weights, slopes and tilts as in ``cook_torrance_fit`` of the reference, from the same table. Whatever depends on m
+Weights, slopes and tilts as in ``cook_torrance_fit`` of the reference, out of the same table. Whatever depends on m
 alone is folded by Cycles into constants, unless m is textured.
 """
 
@@ -10,26 +10,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..addon.reference.cook_torrance_fit import ALONE, FUNCTIONS, HALF_CLIPPED, MOST_LEAN, NARROWEST
-from . import cook_torrance, ensure
+from ..addon.reference.cook_torrance_fit import NARROWEST
+from . import cook_torrance, ensure, fit_table
 from . import cook_torrance_closure as closure
-from ._tree import Tree, Value, cross, dot, exp, length, maximum, minimum, scale, sqrt
-from .cook_torrance_table import by_lobe, count, shared
+from ._tree import Tree, Value, cross, dot, length, maximum, minimum, scale, sqrt
 from .cook_torrance_table import share as of_share
-from .polynomial import chebyshev, series2
 from .polynomial import share as share_by_table
-from .shading_normal import raised
+from .shading_normal import raised, specular_normal
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bpy.types import NodeSocket
 
-    from ._tree import Number
-
 NAME = "VGroove Cook-Torrance Fit"
-REVISION = 6
-LOBES_NAME = "VGroove Fit Lobes"
+REVISION = 7
+LOOK_UP_NAME = "VGroove Fit Lobes"
 
 
 def build(tree: Tree, kind: str) -> None:
@@ -39,7 +33,7 @@ def build(tree: Tree, kind: str) -> None:
 
 def build_osl(tree: Tree, kind: str) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=1.0)
-    node = cook_torrance.script(tree, "fit", kind, inputs)
+    node = cook_torrance.script(tree, "fit", kind, inputs, **for_script(tree, inputs))
     tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")
 
 
@@ -49,86 +43,80 @@ def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
 
 
 def mixture(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value) -> NodeSocket:
-    """One Metallic BSDF a lobe, which makes the lobe's normal a unit vector itself."""
-    of = lobes(tree, inputs.m, N)
-    with tree.frame("Roughness^4 = across^2 aspect: Metallic BSDF's slopes are roughness^2 times aspect^(+-1/2)"):
-        fourth = scale(of.aspect, of.across**2).xyz
+    """One Metallic BSDF a lobe, which makes the lobe's normal a unit vector itself.
+
+    Cycles skips a lobe of weight 0 with all nodes that serve it alone.
+    """
     shaders = []
-    for lobe, power in zip(of.lobes, fourth, strict=False):
+    for lobe in lobes(tree, inputs.m, N):
         with tree.frame("Lobe"):
-            roughness = sqrt(sqrt(power))
-            native = closure.lobe(tree, kind, inputs.fresnel, roughness, lobe.normal, lobe.anisotropy, of.tangent)
-            shaders.append(tree.weighted(native, lobe.weight))  # which holds the weight to 0..1
+            leaning = lobe.anisotropy, lobe.tangent
+            native = closure.lobe(tree, kind, inputs.fresnel, lobe.roughness, lobe.normal, *leaning)
+            shaders.append(tree.weighted(native, lobe.weight))
     return tree.add_shaders(shaders)
 
 
 @dataclass(frozen=True)
 class Lobe:
-    """One lobe of the mixture; its weight not yet held to 0..1, its normal not yet of length 1."""
+    """One lobe of the mixture, as Metallic BSDF takes it; its normal not yet of length 1.
+
+    ``anisotropy`` and ``tangent``, across the plane of view: None of the first, which is round and upright.
+    """
 
     weight: Value
-    anisotropy: Value
+    roughness: Value
     normal: Value
+    anisotropy: Value | None = None
+    tangent: Value | None = None
+
+    @property
+    def slopes(self) -> tuple[Value, Value]:
+        """Across and within the plane of view, as Metallic BSDF makes them."""
+        square = self.roughness * self.roughness
+        if self.anisotropy is None:
+            return minimum(square, 1.0), minimum(square, 1.0)
+        aspect = sqrt(square.tree.math("MULTIPLY_ADD", self.anisotropy, NARROWEST - 1.0, 1.0))
+        return minimum(square / aspect, 1.0), minimum(square * aspect, 1.0)
 
 
-@dataclass(frozen=True)
-class Mixture:
-    """The lobes as seen from the viewer, and what they share: slope ``across`` the plane of view, along ``tangent``.
-
-    ``aspect``: of each lobe the slope within the plane of view over that across.
-    """
-
-    lobes: list[Lobe]
-    aspect: Value
-    across: Value
-    tangent: Value
-
-
-def lobes(tree: Tree, m: Value, N: Value) -> Mixture:
-    """The mixture through the nested group that holds the table."""
-    node = tree.group(ensure(LOBES_NAME, REVISION, build_lobes), m=m, N=N)
-    outputs = {output.name: Value(tree, output) for output in node.outputs}
-    weights, anisotropies = (outputs[name].xyz for name in ("Weight", "Anisotropy"))
-    each = [Lobe(weights[k], anisotropies[k], outputs[f"Normal {k + 1}"]) for k in range(count())]
-    with tree.frame("Aspect of each lobe, as Cycles' Metallic BSDF has it"):
-        aspect = tree.math("MULTIPLY_ADD", outputs["Anisotropy"], NARROWEST - 1.0, 1.0)
-    return Mixture(each, aspect, outputs["Across"], outputs["Tangent"])
+def lobes(tree: Tree, m: Value, N: Value) -> list[Lobe]:
+    """The mixture as seen from the viewer."""
+    weight, first, *others = looked_up(tree, m, N)
+    wo = tree.geometry("Incoming")
+    tangent, (alone, *shares) = cross(N, wo), weight.rgb
+    found = [Lobe(alone, first, N)]
+    for of, share in zip(others, shares, strict=True):
+        with tree.frame("Lobe, which leans away from the viewer"):
+            roughness, anisotropy, tilt = of.rgb
+            found.append(Lobe(share, roughness, N - scale(wo, tilt), anisotropy, tangent))
+    return found
 
 
-def build_lobes(tree: Tree) -> None:
-    """Each shading runs all of this that is not constant, so it is laid out for few nodes.
+def for_script(tree: Tree, inputs: cook_torrance.Inputs) -> dict[str, Value]:
+    """The same as parameters of the OSL shaders, which cannot read an image of a .blend themselves."""
+    found = looked_up(tree, inputs.m, specular_normal(tree, inputs.normal))
+    return dict(zip(("weights", "first", "second", "third"), found, strict=True))
 
-    Numbers are linked to vectors as they are: Cycles then takes one step, for Combine XYZ three.
-    """
+
+def looked_up(tree: Tree, m: Value, N: Value) -> list[Value]:
+    """Through the nested group: the weights, and what the table has of each lobe."""
+    node = tree.group(ensure(LOOK_UP_NAME, REVISION, build_look_up), m=m, N=N)
+    return [Value(tree, output) for output in node.outputs]
+
+
+def build_look_up(tree: Tree) -> None:
     slope = tree.input_float("m", 0.3, low=1e-4, high=10.0, tip="RMS slope of the facets")
     N = tree.input_vector("N", (0, 0, 1), hide_value=True, tip="Unit normal")
-    wo = tree.geometry("Incoming")
     m = minimum(slope, 1.0)
-    x, aside = grazing(tree, m, N)
-    g = clipped_share(tree, m, N, aside)
-    with tree.frame("The table's polynomials, one component a lobe"):
-        y, n = (tree.math("MULTIPLY_ADD", v, (2.0, 2.0, 2.0), (-1.0, -1.0, -1.0)) for v in (x, m))
-        functions = [*map(by_lobe, FUNCTIONS[:3]), shared("across")]
-        weight, anisotropy, tilt, across = table(y, n, *functions)
-        weight = tree.math("MULTIPLY_ADD", g, weight, (ALONE, 0.0, 0.0))
-        widened = minimum(m * tree.math("MULTIPLY_ADD", g, across.xyz[0], 1.0), 1.0)
-    with tree.frame("Normals that lean away from the viewer"):
-        lean, most = scale(aside, tree.math("MULTIPLY_ADD", x, -m, m)), MOST_LEAN / maximum(x * length(aside), 0.01)
-        normals = [N - scale(lean, part) for part in minimum(g * tilt, most).xyz]
-    tree.output_vector("Weight", weight, tip="Of each lobe, not yet held to 0..1")
-    tip = "How much narrower each lobe is within the plane of view: slope across times 1 - 0.9 of this"
-    tree.output_vector("Anisotropy", minimum(maximum(scale(anisotropy, x * g), 0.0), 1.0), tip=tip)
-    tree.output_float("Across", widened, tip="RMS slope across the plane of view, of all lobes")
-    for k in range(count()):
-        tree.output_vector(f"Normal {k + 1}", normals[k], tip="The lobe's own normal, not yet of length 1")
-    tree.output_vector("Tangent", cross(N, wo), tip="Across the plane of view")
-
-
-def table(y: Value, n: Value, *functions: Sequence[Sequence[Number]]) -> list[Value]:
-    """Each function's polynomial at (y, n)."""
-    rows, columns = max(map(len, functions)), max(len(row) for rows in functions for row in rows)
-    U_y, U_n = chebyshev(y, rows - 1), chebyshev(n, columns - 1)
-    return [series2(of, U_y[: len(of) - 1], U_n) for of in functions]
+    with tree.frame("u = m (1 - c) / (c + m) = m (1 + m) / (c + m) - m: 0 head-on, 1 at grazing"):
+        over = m * (1.0 + m) / maximum(m + dot(N, tree.geometry("Incoming")), m)
+    with tree.frame("The table"):
+        (weight, first), (second, _), (third, _) = fit_table.look_up(tree, over, m, sqrt(m))
+    tree.output_color("Weight", weight, tip="Of each lobe")
+    tree.output_float("Lobe 1", first, tip="Roughness")
+    tip = "Roughness; anisotropy; how much of the view's direction is taken from the normal"
+    tree.output_color("Lobe 2", second, tip=tip)
+    tree.output_color("Lobe 3", third, tip=tip)
 
 
 def grazing(tree: Tree, m: Value, N: Value) -> tuple[Value, Value]:
@@ -139,15 +127,6 @@ def grazing(tree: Tree, m: Value, N: Value) -> tuple[Value, Value]:
         aside = wo - scale(N, c)
         ms = m * length(aside)
         return ms / (maximum(c, 0.0) + ms), aside
-
-
-def clipped_share(tree: Tree, m: Value, N: Value, aside: Value) -> Value:
-    """How far the polynomials count: little where the V-groove clips next to no facet."""
-    with tree.frame("Share of facets that the V-groove clips"):
-        c = maximum(dot(N, tree.geometry("Incoming")), 0.0)
-        steepest = c / tree.math("MULTIPLY_ADD", length(aside), 3.0 - 3.0**0.5, 3.0**0.5)
-        q = exp(steepest * steepest * (-1.0 / (m * m)))
-        return q / (q + HALF_CLIPPED)
 
 
 def share(tree: Tree, slope: Value, N: Value, bound: Value) -> Value:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Cook-Torrance Hybrid"
-REVISION = 4
+REVISION = 5
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
@@ -50,6 +50,7 @@ def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
     inputs = cook_torrance.interface(tree, kind, m_high=1.0)
     bound = bound_input(tree)
     beams = beam_interfaces(tree, lamps)
-    shaders = [cook_torrance.script(tree, "hybrid", kind, inputs, bound=bound).outputs[0]]
-    shaders += [direct.emission_osl(tree, kind, inputs, beams, "correction", bound=bound)] if beams else []
+    more = fit.for_script(tree, inputs) | {"bound": bound}
+    shaders = [cook_torrance.script(tree, "hybrid", kind, inputs, **more).outputs[0]]
+    shaders += [direct.emission_osl(tree, kind, inputs, beams, "correction", **more)] if beams else []
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")

@@ -6,13 +6,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import cook_torrance_fit, ensure, smith_lobe
-from ._tree import Tree, Value, clamp, dot, less, normalize, scale, select, tangents
+from ._tree import Tree, Value, cross, dot, less, normalize, select, tangents
 
 if TYPE_CHECKING:
     from ._tree import Number
 
 NAME = "VGroove Fit Mixture"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree) -> None:
@@ -22,17 +22,17 @@ def build(tree: Tree) -> None:
     m = tree.input_float("m", 0.3, low=1e-4, high=10.0, tip="RMS slope of the facets")
     mixture = cook_torrance_fit.lobes(tree, m, N)
     with tree.frame("Across the plane of view; head-on any tangent will do, as lobes are round"):
-        aside = less(1e-12 + 0.0 * m, dot(mixture.tangent, mixture.tangent))
-        T = select(aside, normalize(mixture.tangent), tangents(N)[0])
+        across = cross(N, tree.geometry("Incoming"))
+        T = select(less(1e-12 + 0.0 * m, dot(across, across)), normalize(across), tangents(N)[0])
     group = ensure(smith_lobe.NAME, smith_lobe.REVISION, smith_lobe.build)
     total: Number = 0.0
-    within = scale(mixture.aspect, mixture.across).xyz
-    for lobe, slope in zip(mixture.lobes, within, strict=False):
+    for lobe in mixture:
+        wide, narrow = lobe.slopes
         node = tree.group(
             group, To_Light=wi, To_Viewer=tree.geometry("Incoming"), h=h, Normal=normalize(lobe.normal), Tangent=T,
-            Across=mixture.across, Within=slope,
+            Across=wide, Within=narrow,
         )  # fmt: skip
-        total = clamp(lobe.weight) * Value(tree, node.outputs["f cos"]) + total
+        total = lobe.weight * Value(tree, node.outputs["f cos"]) + total
     tree.output_float("f cos", total, tip="In 1/sr")
 
 

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Polynomials of the fits' tables, as nodes and as OSL text: in Chebyshev's basis, or in powers by Horner's rule.
-
-Lowest degree first everywhere. Chebyshev's basis is for high degrees, whose powers float32 would round too much.
-"""
+"""Polynomials of the fits' tables, as nodes and as OSL text, by Horner's rule. Lowest degree first everywhere."""
 
 from __future__ import annotations
 
@@ -33,43 +30,6 @@ def horner2(rows: Sequence[Row], y: Value, n: Value) -> Value:
     return _in_y([horner(row, n) for row in rows], y)
 
 
-def chebyshev(x: Value, degree: int) -> list[Value]:
-    """U_1 to U_degree at x, Chebyshev's polynomials T_k but for a sign: U_k = -T_k where k mod 4 is 2 or 3.
-
-    With it T_(k+1) = 2 x T_k - T_(k-1) needs one node a degree: U_(k+1) = -+2 x U_k + U_(k-1).
-    """
-    twice = 2.0 * x
-    factors = (-twice, twice)
-    found = [x, x.tree.math("MULTIPLY_ADD", factors[0], x, 1.0)]
-    while len(found) < degree:
-        factor = factors[(len(found) + 1) % 2]
-        found.append(x.tree.math("MULTIPLY_ADD", factor, found[-1], found[-2]))
-    return found[:degree]
-
-
-def of_signs(rows: Sequence[Sequence[Number]]) -> list[list[Number]]:
-    """c_jk T_j(y) T_k(n) as coefficients of U_j(y) U_k(n)."""
-    sign = (1.0, 1.0, -1.0, -1.0)
-
-    def turned(c: Number, by: float) -> Number:
-        return tuple(by * part for part in c) if isinstance(c, tuple) else by * c  # type: ignore[return-value]
-
-    return [[turned(c, sign[j % 4] * sign[k % 4]) for k, c in enumerate(row)] for j, row in enumerate(rows)]
-
-
-def series(coefficients: Sequence[Number], U: Sequence[Value]) -> Value:
-    """Sum of c_k U_k, U from U_1 on."""
-    result, *rest = coefficients
-    for number, of in zip(rest, U, strict=True):
-        result = of.tree.math("MULTIPLY_ADD", number, of, result)
-    return result  # type: ignore[return-value]  # a Value once a term is added
-
-
-def series2(rows: Sequence[Row], U_y: Sequence[Value], U_n: Sequence[Value]) -> Value:
-    """Sum of c_jk T_j(y) T_k(n); what depends on n alone comes first, for Cycles to fold it where n is constant."""
-    return series([series(row, U_n) for row in of_signs(rows)], U_y)
-
-
 def share(rows: Sequence[Sequence[Row]], y: Value, n: Value, bound: Value) -> Value:
     """Sum of c_jkl y^j n^k b^l, held to 0..1: ``share`` of the reference's hybrid."""
     from ._tree import clamp, log  # here, as tables need this module without Blender
@@ -95,8 +55,6 @@ def _in_y(coefficients: Sequence[Value], y: Value) -> Value:
 
 # OSL
 
-CHEBYSHEV = 9  # length of the shaders' arrays of T_0 to T_8
-
 
 def horner_text(coefficients: Sequence[str], x: str) -> str:
     """c_0 + x (c_1 + x (...))."""
@@ -107,15 +65,6 @@ def function_text(kind: str, name: str, arguments: str, rows: Sequence[Sequence[
     """An OSL function: sum of c_jk y^j n^k, y and n defined by ``start``."""
     lines = [f"{kind} {name}({arguments})", "{", f"    {start}", f"    {kind} p = 0;"]
     lines += [f"    p = p * y + {horner_text(row, 'n')};" for row in reversed(rows)]
-    return "\n".join([*lines, "    return p;", "}", ""])
-
-
-def series_text(kind: str, name: str, rows: Sequence[Sequence[str]]) -> str:
-    """OSL function ``NAME(Ty, Tn)``: the sum of c_jk T_j(y) T_k(n), arrays from T_0 on."""
-    size = f"float Ty[{CHEBYSHEV}], float Tn[{CHEBYSHEV}]"
-    terms = [" + ".join(f"Tn[{k}] * {c}" for k, c in enumerate(row)) for row in rows]
-    lines = [f"{kind} {name}({size})", "{", f"    {kind} p = 0;"]
-    lines += [f"    p += Ty[{j}] * ({term});" for j, term in enumerate(terms)]
     return "\n".join([*lines, "    return p;", "}", ""])
 
 

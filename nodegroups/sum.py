@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Sum"
-REVISION = 4
+REVISION = 5
 
 
 def build(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import bpy
 
 NAME = "VGroove Translucent"
-REVISION = 4
+REVISION = 5
 
 
 def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bool = False) -> None:

@@ -1,88 +1,71 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The table of ``fit``: native Beckmann lobes that come nearest to the V-groove model, in L1, at every m and view.
 
-python tools/fit_cook_torrance.py              prints, for each (m, angle), L1 of the plain closure, of the best
-                                               mixture for that cell alone, and of the committed table
-python tools/fit_cook_torrance.py --write      finds the table anew (half an hour) and writes it
-python tools/fit_cook_torrance.py --polish     the last part of that alone, from the committed table
+python tools/fit_cook_torrance.py              prints, for each slope, the largest L1 of the committed table over views
+                                               and over lights
+python tools/fit_cook_torrance.py --write      finds the table from constants (ten minutes on two cores) and writes it
+python tools/fit_cook_torrance.py --polish     the same, from the committed table
+python tools/fit_cook_torrance.py --share      only the share of ``hybrid``, for the committed table
+python tools/fit_cook_torrance.py --curve      what other bars for views and fewer or more lobes would reach
 
-The committed table is what several searches and polishes, with other weights between the cells, left as the best; a new
-one will differ from it. Whether it is as good, the printed table and tests/test_reference_fit.py say.
-
-L1 at a fixed view is the integral over wi of |f_fit - f| cos over that of f cos. It is made small by weighted least
-squares, iterated with weights 1/|f_fit - f| (Gauss-Newton with Levenberg's damping): first for each cell alone, which
-is the optimum that the smooth table is held against, then for the coefficients of all cells together.
+L1 at a fixed view is the integral over wi of |f_fit - f| cos(theta_i) over that of f cos(theta_i). Under a fixed light
+it is that over wo, each view weighted by its cosine, as a surface shows it. Both are sums over one set of distances
+|f_fit - f|, at cells of slope and view by facets, so that together they are one L1 problem for the control points of
+all splines. Gauss-Newton steps with weights 1/|f_fit - f| solve it; between rounds views beyond their goal count for
+more, and so do the lights that are farthest off.
 """
 
 from __future__ import annotations
 
 import argparse
-from multiprocessing import Pool
-from pathlib import Path
+from multiprocessing import get_context
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import brentq, minimize
+from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import brentq
 from shares import SHARE_BOUNDS, highest_share
 
 from vgroove.addon.reference import Dielectric, Schlick
 from vgroove.addon.reference import cook_torrance_fit as fit
 from vgroove.addon.reference.distributions import vgroove_g
 
-LOBES = 3
-RADII, TURNS = 48, 40  # of the grid of facets
-DEGREE_X, DEGREE_M = 8, 8
-ACROSS_X = 4  # degree in x of the slope across, which all lobes share
-FLOOR = Path(__file__).parent.parent / "tests" / "data" / "fit_best_two.csv"
-SLOPES = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
-ANGLES = (
-    0,
-    0.2,
-    1,
-    2.5,
-    5,
-    10,
-    15,
-    20,
-    25,
-    30,
-    35,
-    40,
-    45,
-    50,
-    55,
-    60,
-    65,
-    68,
-    70,
-    73,
-    75,
-    78,
-    80,
-    82,
-    84,
-    85,
-    87,
-    88,
-    89,
-)
-PRINTED = (0, 20, 40, 60, 75, 85)
-ROUNDS = 12
-NEAR = 1.1  # times the best two lobes is what a cell that is printed should reach; others 1.15
-MOST = 0.0375, 0.081  # L1 that no cell should pass, up to m = 0.4 and up to 1: below what tests demand
-SMOOTHING = 3e-4  # of the peak: below this |r| is taken for r^2
-GAIN = 0.9997  # albedo beyond which a mixture costs
-ALBEDO = 0.005  # share by which the mixture's albedo may differ before it costs
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+_Item, _Found = TypeVar("_Item"), TypeVar("_Found")
+
+# fmt: off
+SLOPES = np.array([
+    0.02, 0.05, 0.1, 0.15, 0.2, 0.22, 0.24, 0.26, 0.28, 0.3, 0.32, 0.36, 0.4, 0.435, 0.47,
+    0.52, 0.57, 0.62, 0.67, 0.72, 0.77, 0.82, 0.87, 0.91, 0.945, 0.975, 1.0,
+])
+# fmt: on
+LIGHTS = np.array([0.0, 10, 20, 30, 40, 50, 55, 60, 65, 70, 73, 76, 78, 80, 81, 82, 83, 84, 85])  # degrees
+RADII, TURNS = 30, 22  # grid of facets
+LAST_VIEW = np.radians(85.6)  # beyond, views hardly count
+GOALS = 0.037, 0.0818  # L1 of views up to m = 0.4 and up to 1: what the tests demand, less what lies between cells
+LIGHT = 0.6  # weight of all lights together, over that of all views
+STIFFNESS = 1e-3  # cost of the control points' second differences
+SMOOTHING = 3e-4  # of the peak: below this |r| becomes r^2
+ALBEDO = 0.005  # relative error of the albedo that costs nothing
+MOST = 0.9998  # albedo beyond which a mixture costs: a furnace must not exceed 1
+ROUNDS, STEPS = 30, 4
+PROCESSES = 2
+HOLDS, LEAST = 8, 0.991  # passes that hold the albedo, and the least of it over the model's
+LOBE_PARTS = slice(0, 2), slice(2, 6), slice(6, 10)  # weight and roughness; of leaning lobes also anisotropy and tilt
+START = np.array([0.6, 1.0, 0.25, 1.0, 0.6, 0.3, 0.15, 0.95, 0.9, 0.6])
+LOW = np.array([0.0, 0.5, *2 * (0.0, 0.5, 0.0, -0.8)])
+HIGH = np.array([1.0, 1.4, *2 * (1.0, 1.4, 1.0, 3.0)])
 
 
 class Cell:
-    """One slope and view: the reference on a grid of facets, and the mixture's distance from it."""
+    """One slope and view (or light, as the model is reciprocal): the reference on a grid of facets."""
 
-    def __init__(self, m: float, degrees: float, finer: int = 1) -> None:
-        self.m, self.angle = m, np.radians(degrees)
-        self.wo = np.array([np.sin(self.angle), 0.0, np.cos(self.angle)])
-        turns = TURNS * finer
-        radius, weight = np.polynomial.legendre.leggauss(RADII * finer)
+    def __init__(self, m: float, cosine: float, radii: int = RADII, turns: int = TURNS) -> None:
+        self.m, self.angle = m, np.arccos(cosine)
+        self.wo = np.array([np.sin(self.angle), 0.0, cosine])
+        radius, weight = np.polynomial.legendre.leggauss(radii)
         radius, weight = 1.6 * (radius + 1.0), 1.6 * weight  # slopes to 3.2 m hold all but 4e-5 of the facets
         phi = (np.arange(turns) + 0.5) * np.pi / turns
         p, q = m * radius[:, None] * np.cos(phi), m * radius[:, None] * np.sin(phi)
@@ -93,298 +76,274 @@ class Cell:
         lit = (vh > 1e-9) & (wi[..., 2] > 1e-9)
         self.wi = wi[lit] / np.linalg.norm(wi[lit], axis=-1, keepdims=True)
         nh, vh = nh[lit], vh[lit]
-        self.wi_parts, self.wo_parts, self.h_parts = map(_parts, (self.wi, self.wo[None], h[lit]))
+        self.parts = [(w[:, 1], w[:, 0], w[:, 2]) for w in (self.wi, self.wo[None], h[lit])]
         D = np.exp(-(p * p + q * q)[lit] / m**2) / (np.pi * m**2 * nh**4)
-        self.f_cos = D * vgroove_g(self.wi, self.wo) / (4.0 * self.wo[2])
+        self.f_cos = D * vgroove_g(self.wi, self.wo) / (4.0 * cosine)
         # dwi = 4 (v.h) dh, dh = (n.h)^3 dp dq; twice for the mirrored half
         area = (2.0 * np.pi / turns * m * m * radius * weight)[:, None] * np.ones(turns)
         self.solid_angle = 4.0 * vh * nh**3 * area[lit]
         self.albedo = float(self.f_cos @ self.solid_angle)
-        s, c = np.sin(self.angle), np.cos(self.angle)
-        self.x = m * s / (c + m * s)
-        share = float(fit.clipped_share(self.wo, m))
-        self.basis = share * np.outer(_chebyshev(self.x, DEGREE_X), _chebyshev(m, DEGREE_M)).ravel()
+        self.share = self.solid_angle / self.albedo
+        self.lights = np.degrees(np.arccos(np.clip(self.wi[:, 2], 0.0, 1.0)))  # theta_i
+        self.high = HIGH.copy()  # a lobe that leans farther hides from the view
+        self.high[[5, 9]] = min(3.0, fit.MOST_LEAN * cosine / max(np.sin(self.angle) ** 2, 1e-9) / m)
 
-    def lobes(self, functions: np.ndarray) -> fit.Lobes:
-        """Lobes from the values of ``fit.FUNCTIONS``, one after the other, as ``fit.lobes`` makes them."""
-        weight, anisotropy, tilt, across = split(functions)
-        return fit.shaped(np.float64(self.m), np.float64(self.x), np.sin(self.angle), weight, anisotropy, tilt, across)
+    def lobe(self, roughness: float, anisotropy: float = 0.0, tilt: float = 0.0) -> np.ndarray:
+        """f cos of a lobe of weight 1; tilt over m."""
+        square, aspect = self.m * roughness**2, np.sqrt(1.0 - (1.0 - fit.NARROWEST) * anisotropy)
+        lean = np.float64(self.m * tilt * np.sin(self.angle))
+        slopes = np.float64(min(square / aspect, 1.0)), np.float64(min(square * aspect, 1.0))
+        return fit.smith_lobe(*(fit.turned(*w, lean) for w in self.parts), *slopes)
 
-    def parts(self, functions: np.ndarray) -> np.ndarray:
-        """f cos of each lobe of weight 1 on the grid, (N, lobes)."""
-        of = self.lobes(functions)
-        wi, wo, h = (fit.turned(*w, of.tilt) for w in (self.wi_parts, self.wo_parts, self.h_parts))
-        return fit.smith_lobe(wi, wo, h, of.across, of.within)
+    def mixture(self, of: dict[str, np.ndarray] | None = None) -> np.ndarray:
+        """f cos of the mixture of a table; the committed one by default."""
+        return np.sum(fit.weighted_lobes(self.wi, self.wo, fit.lobes(self.wo, self.m, of)), axis=-1)
 
-    def limits(self, lobes: int) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest value of each function."""
-        most = min(1.0 / max(self.x, 1e-9), 8.0)
-        widest = min(2.0, 1.0 / self.m)
-        leaning = min(
-            1.2, 0.95 / max(self.x * np.sin(self.angle), 1e-9)
-        )  # at 1 a lobe's own normal hides from the view
-        low = np.repeat([0.0, 0.0, -3.0], lobes), [0.5]
-        high = np.repeat([1.0, most, leaning], lobes), [widest]
-        return np.concatenate(low), np.concatenate(high)
+    def distance(self, of: dict[str, np.ndarray] | None = None) -> float:
+        """L1 at this view."""
+        return float(np.abs(self.mixture(of) - self.f_cos) @ self.share)
 
-    def distance(self, functions: np.ndarray) -> tuple[float, float]:
-        """L1 and the albedo's relative error."""
-        r = self.parts(functions) @ split(functions)[0] - self.f_cos
-        return float(np.abs(r) @ self.solid_angle / self.albedo), float(r @ self.solid_angle / self.albedo)
+    def distance_under_light(self, of: dict[str, np.ndarray] | None = None) -> float:
+        """L1 over all views by their cosine, under a light from where this cell's view is."""
+        wo, wi = self.wi, np.broadcast_to(self.wo, self.wi.shape)
+        mixture = np.sum(fit.weighted_lobes(wi, wo, fit.lobes(wo, self.m, of)), axis=-1)
+        true = self.f_cos / wo[:, 2] * self.wo[2]
+        shown = self.solid_angle * wo[:, 2]
+        return float(np.abs(mixture - true) @ shown / (true @ shown))
 
-    def loss(self, functions: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """Smoothed L1 and the cost of a wrong albedo; gradient and Gauss-Newton matrix in the values."""
-        parts = self.parts(functions)
-        weight = split(functions)[0]
-        r = parts @ weight - self.f_cos
-        columns = [parts]
-        for part in range(1, 4):
-            nudged = functions.copy()
-            split(nudged)[part][...] += 1e-6
-            slopes = (self.parts(nudged) - parts) / 1e-6 * weight
-            columns.append(slopes if part < 3 else slopes.sum(axis=1, keepdims=True))
-        J = np.concatenate(columns, axis=1)
-        epsilon = SMOOTHING * np.max(self.f_cos)
-        size = np.sqrt(r * r + epsilon * epsilon)
-        weight = self.solid_angle / self.albedo
-        loss = float(size @ weight)
+    def loss(self, raw: np.ndarray, weight: np.ndarray, *, slopes: bool = True) -> tuple[float, np.ndarray, np.ndarray]:
+        """Smoothed L1 and what a wrong albedo and values beyond their limits cost; gradient, Gauss-Newton matrix.
+
+        raw: the ten values of all lobes; weight: of each facet.
+        """
+        values = np.clip(raw, LOW, self.high)
+        free, beyond = values == raw, raw - values
+        J, r = np.zeros((len(self.f_cos), len(raw))), -self.f_cos
+        for part in LOBE_PARTS:
+            share, *shape = values[part]
+            J[:, part.start] = plain = self.lobe(*shape)
+            r = r + share * plain
+            for at in range(len(shape) if slopes and share > 0.0 else 0):
+                step = -1e-5 if at == 1 and shape[1] > 0.5 else 1e-5
+                nudged = [value + step * (at == k) for k, value in enumerate(shape)]
+                J[:, part.start + 1 + at] = (self.lobe(*nudged) - plain) / step * share
+        size, stray = np.hypot(r, SMOOTHING * np.max(self.f_cos)), 0.05 * weight.sum()
+        loss = float(size @ weight + stray * beyond @ beyond)
         gradient, matrix = J.T @ (r / size * weight), (J * (weight / size)[:, None]).T @ J
-        error, slope = float(r @ weight), J.T @ weight
-        gain = self.albedo * (1.0 + error) - GAIN  # a furnace must not exceed 1
-        for excess, cost in ((error - ALBEDO, 3000.0), (-ALBEDO - error, 3000.0), (gain, 3e4)):
+        error, slope, scale = float(r @ self.share), J.T @ self.share, float(weight @ self.f_cos)
+        gain = self.albedo * (1.0 + error) - MOST
+        for excess, cost, sign in ((error - ALBEDO, 3e3, 1.0), (-ALBEDO - error, 3e3, -1.0), (gain, 1e5, 1.0)):
             if excess > 0:
-                sign = -1.0 if cost == 3000.0 and error < 0 else 1.0
-                loss += cost * excess**2
-                gradient = gradient + 2.0 * cost * excess * sign * slope
-                matrix = matrix + 2.0 * cost * np.outer(slope, slope)
-        return loss, gradient, matrix
+                loss += scale * cost * excess**2
+                gradient = gradient + 2.0 * scale * cost * excess * sign * slope
+                matrix = matrix + 2.0 * scale * cost * np.outer(slope, slope)
+        gradient = gradient * free + 2.0 * stray * beyond
+        return loss, gradient, matrix * np.outer(free, free) + np.diag(2.0 * stray * ~free)
 
 
-def _parts(w: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Components across the plane of view, toward the viewer and up, (N, 1) each."""
-    return w[:, 1:2], w[:, 0:1], w[:, 2:3]
+def view_cosine(m: float, u: np.ndarray) -> np.ndarray:
+    """The inverse of ``fit.view_coordinate``."""
+    return m * (1.0 - u) / (m + u)
 
 
-def _chebyshev(x: float, degree: int) -> np.ndarray:
-    return np.polynomial.chebyshev.chebvander(np.array([2.0 * x - 1.0]), degree)[0]
+def basis(axis: int, x: np.ndarray) -> np.ndarray:
+    """What each control point counts for at m^(1/2) (axis 0) or u (axis 1), as the table is interpolated linearly."""
+    table = fit.spline(fit.KNOTS[axis], fit.PLACES[axis])
+    nodes = np.linspace(0.0, 1.0, fit.SIZE[axis])
+    return np.stack([np.interp(x, nodes, column) for column in table.T], axis=-1)
 
 
-def split(functions: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Views of weight, anisotropy and tilt (lobes,) and of across (1,)."""
-    lobes = (len(functions) - 1) // 3
-    return functions[:lobes], functions[lobes : 2 * lobes], functions[2 * lobes : -1], functions[-1:]
+def widths(x: np.ndarray) -> np.ndarray:
+    """How much each of ascending x stands for."""
+    return np.diff(np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]]))
 
 
-def optimum(cell: Cell, starts: list[np.ndarray]) -> np.ndarray:
-    """The best mixture for one cell alone, (3 lobes + 1,): the floor for every smooth table."""
-    best = None
-    for start in starts:
-        low, high = cell.limits((len(start) - 1) // 3)
-        functions, damping = np.clip(start, low, high), 1e-2
-        loss, gradient, matrix = cell.loss(functions)
-        for _ in range(150):
-            free = ~((functions <= low) & (gradient > 0)) & ~((functions >= high) & (gradient < 0))
-            if not free.any():
-                break
-            step = np.zeros_like(functions)
-            damped = matrix[np.ix_(free, free)]
-            damped = damped + np.diag(damping * np.diag(damped) + 1e-9)
-            step[free] = -np.linalg.solve(damped, gradient[free])
-            trial = np.clip(functions + np.clip(step, -0.3, 0.3), low, high)
-            trial_loss = cell.loss(trial)
-            if trial_loss[0] < loss:
-                small = loss - trial_loss[0] < 1e-7
-                functions, (loss, gradient, matrix), damping = trial, trial_loss, max(damping / 5.0, 1e-6)
-                if small:
-                    break
-            elif damping > 1e4:
-                break
-            else:
-                damping *= 4.0
-        if best is None or loss < best[0]:
-            best = loss, functions
-    return best[1]
+class Search:
+    """The control points of all splines against all cells."""
+
+    def __init__(self, begins: fit.Begins = fit.BEGINS, goals: tuple[float, float] = GOALS) -> None:
+        self.begins = begins
+        knots = fit.KNOTS[1]
+        middle = np.concatenate([knots[:-1] + part * np.diff(knots) for part in (0.22, 0.72)])
+        self.views = np.array([1e-5, *np.sort([0.004, 0.014, 0.02, 0.042, 0.055, *middle]), 0.995])
+        self.cells = [[Cell(m, c) for c in view_cosine(m, self.views)] for m in SLOPES]
+        self.lit = [[Cell(m, np.cos(np.radians(max(light, 0.01)))) for light in LIGHTS] for m in SLOPES]
+        angle = np.array([[cell.angle for cell in row] for row in self.cells])
+        self.step = np.array([widths(row) for row in angle])
+        self.judged = angle < LAST_VIEW
+        self.goal = np.interp(SLOPES, (0.42, 0.45), goals)[:, None]
+        self.of_view, self.of_light = np.ones(angle.shape), np.ones((len(SLOPES), len(LIGHTS)))
+        self.of_m = basis(0, np.sqrt(SLOPES))
+        self.of_u = basis(1, self.views)
+        self.size = self.of_m.shape[1], self.of_u.shape[1]
+        self.part = np.ones((*angle.shape, len(START)))
+        for j, m in enumerate(SLOPES):
+            self.part[j][:, [0, 2, 6]] = fit.needed(view_cosine(m, self.views), np.full(len(self.views), m), begins).T
+        self.free = np.ones((len(START), *self.size), bool)
+        self.free[[4, 8], :, 0] = False  # head-on lobes are round
+        self.free[[5, 9], :, -1] = False  # a view along the surface is hidden from a lobe that leans
+        self.roughness = np.kron(np.eye(self.size[0]), _bending(self.size[1]))
+        self.roughness += np.kron(_bending(self.size[0]), np.eye(self.size[1]))
+
+    def weight(self, j: int, k: int) -> np.ndarray:
+        """What the distance at each facet counts for.
+
+        Of a view's L1, its share of the albedo. L1 under a light at theta_i is the integral over wo of
+        |r| cos(theta_o) / (cos(theta_i) albedo); sin(theta_o) / sin(theta_i) turns views into lights.
+        """
+        cell = self.cells[j][k]
+        ni, si = np.maximum(cell.wi[:, 2], 0.05), np.maximum(np.sqrt(1.0 - cell.wi[:, 2] ** 2), 0.08)
+        albedo = np.interp(cell.lights, LIGHTS, [lit.albedo for lit in self.lit[j]])
+        lights = np.interp(cell.lights, LIGHTS, self.of_light[j]) * np.clip((87.5 - cell.lights) / 2.5, 0.0, 1.0)
+        light = self.step[j, k] * cell.wo[0] * cell.wo[2] * lights / (si * ni * albedo) * cell.solid_angle
+        stands = 0.5 * (widths(self.views)[k] + self.step[j, k] / (np.pi / 2.0))
+        return self.of_view[j, k] * (1.0 if self.judged[j, k] else 0.05) * stands * cell.share + LIGHT * light
+
+    def cost(self, control: np.ndarray, *, slopes: bool) -> tuple[float, np.ndarray, np.ndarray]:
+        """The loss of all cells and of the splines' bends; gradient and Gauss-Newton matrix in the control points."""
+        values = self.part * np.einsum("jm,ku,fmu->jkf", self.of_m, self.of_u, control)
+
+        def row(j: int) -> list[tuple[float, np.ndarray, np.ndarray]]:
+            cells = enumerate(self.cells[j])
+            return [cell.loss(values[j, k], self.weight(j, k), slopes=slopes) for k, cell in cells]
+
+        losses, gradients, matrices = zip(
+            *[zip(*cells, strict=True) for cells in parallel(row, range(len(SLOPES)))], strict=True
+        )
+        bends = STIFFNESS * np.where(np.isin(np.arange(len(START)), (5, 9)), 0.3, 1.0)  # tilts may bend more
+        flat = control.reshape(len(START), -1)
+        pull = flat @ self.roughness
+        loss = float(np.sum(losses) + bends @ np.sum(pull * flat, axis=1))
+        gradient = np.einsum("jkf,jm,ku->fmu", self.part * gradients, self.of_m, self.of_u).reshape(flat.shape)
+        if not slopes:
+            return loss, gradient, gradient
+        matrices = self.part[..., None] * self.part[..., None, :] * matrices
+        by_view = np.einsum("jkfg,ku,kv->jfguv", matrices, self.of_u, self.of_u, optimize=True)
+        matrix = np.einsum("jfguv,jm,jn->fmugnv", by_view, self.of_m, self.of_m, optimize=True).reshape(2 * [flat.size])
+        matrix += 2.0 * np.kron(np.diag(bends), self.roughness)
+        return loss, (gradient + 2.0 * bends[:, None] * pull).ravel(), matrix
+
+    def run(self, control: np.ndarray, rounds: int = ROUNDS) -> np.ndarray:
+        """Each round prints, for every slope, the largest L1 of a view and of a light, in percent."""
+        damping = 1e-3
+        for _ in range(rounds):
+            for _ in range(STEPS):
+                control, damping = self._step(control, damping)
+            self.weigh(control)
+        return control
+
+    def _step(self, control: np.ndarray, damping: float) -> tuple[np.ndarray, float]:
+        """One step down, by Levenberg and Marquardt."""
+        free = self.free.ravel()
+        loss, gradient, matrix = self.cost(control, slopes=True)
+        matrix = matrix[np.ix_(free, free)]
+        for _ in range(6):
+            damped = matrix + np.diag(damping * np.diag(matrix) + 1e-7 * np.mean(np.diag(matrix)))
+            step = np.zeros(free.shape)
+            step[free] = -cho_solve(cho_factor(damped), gradient[free])
+            trial = control + step.reshape(control.shape)
+            if self.cost(trial, slopes=False)[0] < loss:
+                return trial, max(damping / 4.0, 1e-5)
+            damping *= 5.0
+        return control, damping
+
+    def weigh(self, control: np.ndarray) -> None:
+        """Views that are beyond their goal count for more, and the lights that are farthest off."""
+        of = fit.sampled(by_function(control), self.begins)
+        views = np.array(parallel(lambda j: [cell.distance(of) for cell in self.cells[j]], range(len(SLOPES))))
+        found = parallel(lambda j: [cell.distance_under_light(of) for cell in self.lit[j]], range(len(SLOPES)))
+        lights = np.array(found)
+        self.worst = np.where(self.judged, views, 0.0).max(axis=1), lights.max(axis=1)
+        told = (f"{m:.3g}: {100 * v:.1f} {100 * l:.1f}" for m, v, l in zip(SLOPES, *self.worst, strict=True))
+        print(", ".join(told), flush=True)
+        self.of_light *= np.clip(lights / lights.max(axis=1, keepdims=True), 0.3, 1.0)
+        self.of_light = np.clip(self.of_light / self.of_light.mean(axis=1, keepdims=True), 0.05, 8.0)
+        more = np.clip(views / self.goal, 0.9, 1.5) ** 4
+        self.of_view = np.where(self.judged, np.clip(self.of_view * more, 0.3, 400.0), 1.0)
+
+    def start(self) -> np.ndarray:
+        """Constants."""
+        return np.where(self.free, START[:, None, None], 0.0)
+
+    def committed(self) -> np.ndarray:
+        """The control points of the committed table."""
+        of = fit.control_points()
+        first, second, third = ([of[name][k] for name in fit.FUNCTIONS[:2]] for k in range(3))
+        leaning = [[of[name][k] for name in fit.FUNCTIONS[2:]] for k in range(2)]
+        return np.where(self.free, np.array([*first, *second, *leaning[0], *third, *leaning[1]]), 0.0)
 
 
-def random_starts(rng: np.random.Generator, count: int, lobes: int) -> list[np.ndarray]:
-    return [
-        np.concatenate([rng.dirichlet(np.ones(lobes)), rng.exponential(0.7, lobes), rng.normal(0.3, 0.6, lobes), [1.0]])
-        for _ in range(count)
-    ]
+def _bending(count: int) -> np.ndarray:
+    """The matrix of the sum of squared second differences."""
+    D = np.diff(np.eye(count), 2, axis=0)
+    return D.T @ D
 
 
-class Table:
-    """Chebyshev coefficients of all functions, (3 lobes + 1, basis), against cells that count by ``importance``."""
-
-    def __init__(self, cells: list[Cell], importance: np.ndarray, free: np.ndarray) -> None:
-        """free: which coefficients are not 0 for good, (3 lobes + 1, basis)."""
-        self.cells, self.importance, self.free = cells, importance, free.ravel()
-
-    def loss(self, coefficients: np.ndarray) -> tuple[float, np.ndarray]:
-        """The sum over cells, and its gradient; a function beyond its limits costs a little, that it may return."""
-        total, gradient = 0.0, np.zeros(coefficients.shape)
-        for cell, importance in zip(self.cells, self.importance, strict=True):
-            raw = ALONE + coefficients @ cell.basis
-            held, slope, beyond = softly_held(raw, *cell.limits(LOBES))
-            loss, g, _ = cell.loss(held)
-            total += importance * (loss + 0.02 * float(beyond @ beyond))
-            gradient += importance * np.outer(g * slope + 0.04 * beyond, cell.basis)
-        return total, gradient
-
-    def curvature(self, coefficients: np.ndarray) -> np.ndarray:
-        """The Gauss-Newton matrix of ``loss``, for coefficients as one row."""
-        rows, width = coefficients.shape
-        matrix = np.zeros((rows, rows, width, width))
-        for cell, importance in zip(self.cells, self.importance, strict=True):
-            raw = ALONE + coefficients @ cell.basis
-            held, slope, _ = softly_held(raw, *cell.limits(LOBES))
-            H = cell.loss(held)[2] * np.outer(slope, slope) + np.diag(0.04 * (slope < 0.5))
-            matrix += importance * H[:, :, None, None] * np.outer(cell.basis, cell.basis)
-        return matrix.transpose(0, 2, 1, 3).reshape(rows * width, rows * width)
-
-    def descend(self, coefficients: np.ndarray, steps: int) -> np.ndarray:
-        """Quasi-Newton steps in coordinates that make the Gauss-Newton matrix 1; L1's kinks stop Newton's own."""
-        matrix = self.curvature(coefficients)[np.ix_(self.free, self.free)]
-        scale = np.diag(1e-3 * np.diag(matrix) + 1e-7 * np.trace(matrix) / len(matrix))
-        R = cholesky(matrix + scale)
-
-        def moved(z: np.ndarray) -> np.ndarray:
-            step = np.zeros(self.free.shape)
-            step[self.free] = solve_triangular(R, z)
-            return coefficients + step.reshape(coefficients.shape)
-
-        def loss(z: np.ndarray) -> tuple[float, np.ndarray]:
-            total, gradient = self.loss(moved(z))
-            return total, solve_triangular(R, gradient.ravel()[self.free], trans="T")
-
-        found = minimize(loss, np.zeros(len(R)), jac=True, method="L-BFGS-B", options={"maxiter": steps, "maxcor": 50})
-        return moved(found.x)
+def by_function(control: np.ndarray) -> dict[str, np.ndarray]:
+    """Control points [lobe, m, view] of each of ``fit.FUNCTIONS``."""
+    return dict(
+        zip(fit.FUNCTIONS, (control[[0, 2, 6]], control[[1, 3, 7]], control[[4, 8]], control[[5, 9]]), strict=True)
+    )
 
 
-SOFTNESS = np.repeat([5e-5, 1e-3, 1e-2, 1e-3], [LOBES, LOBES, LOBES, 1])
+def held(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Control points with weights changed so that nowhere a furnace sends back more than ``MOST``, or too little."""
+    roots, views = (np.linspace(0.0, 1.0, 2 * n - 1) for n in fit.SIZE)  # the table's nodes, and between them
+    roots = roots[(roots > 0.0) & (roots < 0.7)]  # rougher ones send back less
+    parts = [basis(axis, x) for axis, x in enumerate((roots, views))]
+    parts = [part / np.sum(part**2, axis=1, keepdims=True) for part in parts]  # the least change that does it
+    for _ in range(HOLDS):
+        table = fit.sampled(of)
+
+        def row(root: float) -> list[float]:
+            cells = (Cell(root**2, c) for c in view_cosine(root**2, np.minimum(views, 0.999)))
+            sent = ((float(cell.mixture(table) @ cell.solid_angle), cell) for cell in cells)  # noqa: B023
+            return [
+                max(of / MOST - 1.0, 0.0) + min(of / cell.albedo - LEAST * (cell.angle < LAST_VIEW), 0.0)
+                for of, cell in sent
+            ]
+
+        off = np.array(parallel(row, roots))
+        print(f"furnace: {100 * off.max():.4f} % too much, {-100 * off.min():.4f} % too little", flush=True)
+        change = off[:, :, None, None] * parts[0][:, None, :, None] * parts[1][None, :, None, :]
+        of = of | {"weight": of["weight"] * (1.0 - change.max(axis=(0, 1)) - change.min(axis=(0, 1)))}
+    return of
 
 
-def softly_held(raw: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """``raw`` within its limits, rounded off there for the search's sake; the slope of that; how far it was beyond."""
-    d = raw - low
-    r = np.hypot(d, SOFTNESS)
-    up = high - low - 0.5 * (d + r)
-    q = np.hypot(up, SOFTNESS)
-    return high - 0.5 * (up + q), 0.25 * (1.0 + d / r) * (1.0 + up / q), raw - np.clip(raw, low, high)
+def parallel(of: Callable[[_Item], _Found], items: Iterable[_Item]) -> list[_Found]:
+    """``of`` each item, in processes that have what this one has."""
+    global _task  # noqa: PLW0603 - so that processes inherit it, whatever it holds
+    _task = of
+    with get_context("fork").Pool(PROCESSES) as pool:
+        return pool.map(_run, items, chunksize=1)
 
 
-def by_function(coefficients: np.ndarray) -> dict[str, np.ndarray]:
-    """Coefficients [lobe, j, k] of T_j(2x - 1) T_k(2m - 1) for each function."""
-    grid = coefficients.reshape(-1, DEGREE_X + 1, DEGREE_M + 1)
-    parts = grid[:LOBES], grid[LOBES : 2 * LOBES], grid[2 * LOBES : -1], grid[-1:, : ACROSS_X + 1]
-    return dict(zip(fit.FUNCTIONS, parts, strict=True))
+def _run(item: _Item) -> _Found:
+    return _task(item)
 
 
-def toml(numbers: dict[str, np.ndarray]) -> str:
-    """The table as committed: nine digits, which is what float32 shaders can hold."""
+def toml(found: dict[str, np.ndarray]) -> str:
+    """The table as committed."""
     lines = [
-        "# Coefficients c[lobe][j][k] of Chebyshev's T_j(2x - 1) T_k(2m - 1); of share, [j][k][l] of powers of these",
-        "# two and of the bound's logarithm.",
+        "# Control points [lobe][m][view], of anisotropy and tilt from the second lobe on. Of share, coefficients",
+        "# [j][k][l] of powers of 2x - 1, of 2m - 1 and of the bound's logarithm.",
         "# addon/reference/cook_torrance_fit.py says what they are for.",
-        "# Written by tools/fit_cook_torrance.py --write",
+        "# Written by tools/fit_cook_torrance.py",
     ]
-    for name, grid in numbers.items():
+    for name, grid in found.items():
         lines.append(f"{name} = [")
-        for lobe in grid:
-            rows = ",\n".join("    [" + ", ".join(f"{number:.9g}" for number in row) + "]" for row in lobe)
-            lines.append("  [\n" + rows.replace("nan", "0") + "\n  ],")
+        digits = ".9g" if name == "share" else ".5g"
+        for part in grid:
+            rows = ",\n".join("    [" + ", ".join(f"{number:{digits}}" for number in row) + "]" for row in part)
+            lines.append("  [\n" + rows + "\n  ],")
         lines.append("]")
     return "\n".join(lines) + "\n"
 
 
-ALONE = np.concatenate(fit.starts(LOBES))
-# A wide lobe and two narrow ones: weight, anisotropy and tilt of each, and the slope across.
-START = np.array([0.9, 0.05, 0.05, 0.1, 1.0, 1.5, 0.0, 0.3, 0.6, 1.0])
-TWO_STARTS = [np.array([0.9, 0.1, 0.1, 1.0, 0.0, 0.3, across]) for across in (0.88, 1.0)] + [
-    np.array([0.9, 0.1, 0.1, 1.5, 0.0, 0.6, across]) for across in (0.88, 1.0)
-]
-
-
-def albedo(cell: Cell) -> float:
-    """Directional albedo of the mixture as written."""
-    return float(np.sum(fit.weighted_lobes(cell.wi, cell.wo, fit.lobes(cell.wo, cell.m)), axis=-1) @ cell.solid_angle)
-
-
-def best_two(cell: Cell) -> np.ndarray:
-    """The best mixture of two lobes for one cell alone; head-on round and upright, as every table must be there."""
-    starts = [*TWO_STARTS, *random_starts(np.random.default_rng(0), 2, 2)]
-    if cell.angle == 0:
-        starts = [start * [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0] for start in starts]
-    return optimum(cell, starts)
-
-
-def best_distance(cell: Cell) -> float:
-    return cell.distance(best_two(cell))[0]
-
-
-class Search:
-    """Rounds after which those cells count for more that are farther off than they should be."""
-
-    def __init__(self) -> None:
-        self.cells = [Cell(m, degrees, finer=2 if degrees < 10 else 1) for m in SLOPES for degrees in ANGLES]  # kinks
-        with Pool() as pool:
-            floor = np.array(pool.map(best_distance, self.cells, chunksize=4))
-        near = np.array([NEAR if round(np.degrees(cell.angle)) in PRINTED else 1.15 for cell in self.cells])
-        most = np.array([MOST[cell.m > 0.4] for cell in self.cells])
-        # Beyond 85 degrees the model's own shape is extreme; a cell there counts for little.
-        self.within = np.array([cell.angle < np.radians(85.5) for cell in self.cells])
-        self.goal = np.minimum(near * floor, most)
-        self.importance = np.where(self.within, 1.0, 0.1) / (floor + 0.0005)
-        self.best = np.inf, np.zeros((START.size, 0))
-
-    def round(self, coefficients: np.ndarray, degrees: tuple[int, int], steps: int) -> np.ndarray:
-        """A descent of so many steps; then cells count by how far beyond their goal they are."""
-        powers_x = np.repeat(np.arange(DEGREE_X + 1), DEGREE_M + 1)
-        powers_m = np.tile(np.arange(DEGREE_M + 1), DEGREE_X + 1)
-        most_x = np.append(np.full(START.size - 1, DEGREE_X), ACROSS_X)[:, None]
-        free = (powers_x <= np.minimum(most_x, degrees[0])) & (powers_m <= degrees[1])
-        coefficients = Table(self.cells, self.importance, free).descend(coefficients, steps)
-        held = [np.clip(ALONE + coefficients @ cell.basis, *cell.limits(LOBES)) for cell in self.cells]
-        over = np.array([cell.distance(of)[0] for cell, of in zip(self.cells, held, strict=True)]) / self.goal
-        worst = float(np.max(over[self.within]))
-        print(
-            f"degrees {degrees}: {np.sum(over[self.within] > 1)} cells beyond their goal, at {worst:.3f} of it",
-            flush=True,
-        )
-        if worst < self.best[0]:
-            self.best = worst, coefficients
-        more = np.where(over > 1, np.minimum(over, 1.6) ** 4, np.maximum(over, 0.7))
-        self.importance = self.importance * np.where(self.within, more, 1.0)
-        self.importance /= np.mean(self.importance)
-        return coefficients
-
-
-def search(start: np.ndarray | None) -> np.ndarray:
-    """Coefficients of all cells together: a coarse table first, then one of full degree that starts from it.
-
-    start: coefficients that there are already, of full degree.
-    """
-    rounds = Search()
-    full = DEGREE_X, DEGREE_M
-    if start is None:
-        start = np.zeros((START.size, (DEGREE_X + 1) * (DEGREE_M + 1)))
-        start[:, 0] = START - ALONE
-        start = rounds.round(rounds.round(start, (3, 1), 100), full, 150)
-    for _ in range(ROUNDS):
-        if rounds.best[0] > 1.0:
-            start = rounds.round(start, full, 80)
-    return rounds.best[1]
-
-
-def committed() -> np.ndarray:
-    """Coefficients of the committed table, as ``search`` gives them."""
-    rows = []
-    for name in fit.FUNCTIONS:
-        for numbers in fit.table()[name]:
-            grid = np.zeros((DEGREE_X + 1, DEGREE_M + 1))
-            grid[: numbers.shape[0], : numbers.shape[1]] = numbers
-            rows.append(grid.ravel())
-    return np.array(rows)
+def write(found: dict[str, np.ndarray]) -> None:
+    fit.TABLE.write_text(toml(found), encoding="utf-8")
+    fit.control_points.cache_clear()
+    fit.tables.cache_clear()
 
 
 SHARE_DEGREES = 8, 6, 2  # in x, m and the logarithm of the bound
@@ -393,7 +352,7 @@ SHARE_FRESNELS = (Schlick(1.0), Schlick(0.02), Dielectric(1.33))
 
 def largest_share(cell: Cell, bound: float) -> float:
     """The largest c <= 1 for which the integral of F (c mixture - f cos)+ is at most ``bound`` of that of F f cos."""
-    mixture = np.sum(fit.weighted_lobes(cell.wi, cell.wo, fit.lobes(cell.wo, cell.m)), axis=-1)
+    mixture = cell.mixture()
     vh = 0.5 * np.linalg.norm(cell.wi + cell.wo, axis=-1)
     weights = [fresnel(vh)[..., 0] * cell.solid_angle for fresnel in SHARE_FRESNELS]
 
@@ -406,61 +365,50 @@ def largest_share(cell: Cell, bound: float) -> float:
 
 def shares() -> np.ndarray:
     """Coefficients [j][k][l] of ``hybrid_share``."""
-    slopes = sorted({*SLOPES, *np.linspace(0.075, 0.975, 19).tolist()})
-    views = (*np.arange(0.0, 89.0, 2.0), 89.0, 89.6, 89.95)
-    cells = [Cell(m, degrees, finer=2) for m in slopes for degrees in views]  # a coarse grid blurs small bounds
-    limits = [[largest_share(cell, bound) for bound in SHARE_BOUNDS] for cell in cells]
-    points = np.array([(2.0 * cell.x - 1.0, 2.0 * cell.m - 1.0) for cell in cells])
+    slopes = (0.02, 0.05, 0.075, *np.arange(0.1, 1.01, 0.0375).tolist())
+    views = np.radians([0.01, *np.arange(3.0, 88.0, 3.0), 88.0, 89.0, 89.6, 89.95])
+    cells = [Cell(m, np.cos(view), 96, 80) for m in slopes for view in views]  # a coarse grid blurs small bounds
+    limits = parallel(lambda cell: [largest_share(cell, bound) for bound in SHARE_BOUNDS], cells)
+    points = np.array([(2.0 * float(fit.grazing(cell.wo, cell.m)) - 1.0, 2.0 * cell.m - 1.0) for cell in cells])
     return highest_share(points, np.array(limits), SHARE_DEGREES)
 
 
-def print_table(floor: Path | None) -> None:
-    """L1 in percent: the plain closure, the best two lobes for the cell alone, the table; and the albedo's error.
-
-    floor: where to write what the best two lobes reach, for the tests.
-    """
-    print("L1 in %: plain closure / best two lobes for this cell / the table (its albedo's error)")
-    print("    m", *(f"{degrees:>24} deg" for degrees in PRINTED))
-    title = "# L1 of the best two lobes for each cell alone, by tools/fit_cook_torrance.py --write"
-    beyond, written = [], [title, "m,degrees,l1"]
-    for m in SLOPES:
-        line = []
-        for degrees in PRINTED:
-            cell = Cell(m, degrees)
-            plain = cell.distance(np.array([1.0, 0.0, 0.0, 1.0]))[0]
-            best = cell.distance(best_two(cell))[0]
-            of = fit.lobes(cell.wo, m)
-            r = np.sum(fit.weighted_lobes(cell.wi, cell.wo, of), axis=-1) - cell.f_cos
-            table, error = (float(part @ cell.solid_angle / cell.albedo) for part in (np.abs(r), r))
-            beyond.append(table - 1.15 * best)
-            written.append(f"{m:g},{degrees:g},{best:.6f}")
-            line.append(f"{100 * plain:6.2f} /{100 * best:5.2f} /{100 * table:5.2f} ({100 * error:+.2f})")
-        print(f"{m:5.2f}", *(f"{text:>28}" for text in line), flush=True)
-    over = sum(part > 0 for part in beyond)
-    if floor:
-        floor.write_text("\n".join([*written, ""]), encoding="utf-8")
-    print(
-        f"beyond 1.15 of the best two lobes in {over} of {len(beyond)} cells, by at most {100 * max(0, *beyond):.2f} %"
-    )
+def print_table() -> None:
+    """The committed table's largest L1 over views to 85 degrees and over lights to 85, in percent, and where."""
+    print("     m   view               light")
+    for m in (*SLOPES, 0.38, 0.93):
+        cells = [Cell(m, np.cos(np.radians(max(degrees, 0.01))), 48, 40) for degrees in np.arange(0.0, 86.0, 2.5)]
+        of = [cell.distance() for cell in cells], [cell.distance_under_light() for cell in cells]
+        worst = (f"{100 * np.max(l1):5.2f} at {np.degrees(cells[int(np.argmax(l1))].angle):4.1f}" for l1 in of)
+        print(f"{m:6.3f}", *worst, sep="   ", flush=True)
 
 
-def write(numbers: dict[str, np.ndarray]) -> None:
-    fit.TABLE.write_text(toml(numbers), encoding="utf-8")
-    fit.table.cache_clear()
+def print_curve() -> None:
+    """Largest L1 over views and over lights by the goals of views, and by where the lobes begin."""
+    everywhere, late = (99.0, 98.0, 1), (1.0, 0.5, 1)
+    for begins, scale in (
+        (fit.BEGINS, 1.0), (fit.BEGINS, 1.3), (fit.BEGINS, 2.0), ((late, fit.BEGINS[1]), 1.0), ((everywhere,) * 2, 1.0),
+    ):  # fmt: skip
+        print(f"lobes begin at {begins}; goals {scale} times:", flush=True)
+        search = Search(begins, (scale * GOALS[0], scale * GOALS[1]))
+        search.run(search.committed())
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--write", action="store_true", help="find the table anew and write it")
-    parser.add_argument("--polish", action="store_true", help="write a table that starts from the committed one")
+    for name in ("write", "polish", "share", "curve"):
+        parser.add_argument(f"--{name}", action="store_true")
     options = parser.parse_args()
+    if options.curve:
+        print_curve()
+        return
     if options.write or options.polish:
-        numbers = by_function(search(None if options.write else committed()))
-        write(numbers)
-        views = [Cell(m, degrees) for m in (*SLOPES, *np.linspace(0.1, 1.0, 19)) for degrees in np.arange(0, 90, 1.5)]
-        assert max(map(albedo, views)) < 1.0, "a furnace must not exceed 1"
-        write(numbers | {"share": shares()})  # of the mixture as written
-    print_table(FLOOR if options.write or options.polish else None)
+        search = Search()
+        control = search.run(search.start() if options.write else search.committed())
+        write(held(by_function(control)) | {"share": fit.control_points()["share"]})
+    if options.write or options.polish or options.share:
+        write(fit.control_points() | {"share": shares()})
+    print_table()
 
 
 if __name__ == "__main__":

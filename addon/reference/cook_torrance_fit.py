@@ -3,12 +3,12 @@
 
 ``hybrid`` takes a share of that mixture and adds what is missing.
 
-Each lobe is a Beckmann microfacet lobe with Smith's G, slopes of its own across and in the plane of view, and a
-normal tilted within that plane. Where the V-groove's G clips no facet, one round lobe of slope m is the model itself;
-weights, slopes and tilts leave that lobe by polynomials in (2x - 1, 2m - 1), as far as ``clipped_share`` says. They
-are sums of Chebyshev's, as float32 shaders would lose three digits in powers; ``tools/fit_cook_torrance.py``
-finds them by the least L1 distance from the V-groove model and writes ``cook_torrance_fit.toml``. F depends on v.h
-alone, so that one mixture serves every Fresnel term.
+Each lobe is a Beckmann microfacet lobe with Smith's G. The first is round and upright. The others have slopes of their
+own across and in the plane of view, and a normal tilted within that plane; where the view needs none of them their
+weight is 0, and Cycles skips them. Weights, slopes and tilts are interpolated in a table over view and slope, which is
+sampled from cubic splines, so that it changes smoothly. ``tools/fit_cook_torrance.py`` finds their control points by
+the least L1 distance from the V-groove model, in views and under lights, and writes ``cook_torrance_fit.toml``. F
+depends on v.h alone, so that one mixture serves every Fresnel term.
 
 Source of the lobe: Heitz 2014, Understanding the Masking-Shadowing Function, JCGT 3(2), eqs. 85 to 99.
 """
@@ -34,11 +34,17 @@ if TYPE_CHECKING:
     from .fresnel import Fresnel
 
 TABLE = Path(__file__).with_suffix(".toml")
-FUNCTIONS = ("weight", "anisotropy", "tilt", "across")
-ALONE = 0.9998  # weight of the one lobe where nothing is clipped; below 1, for a furnace must not exceed 1
-HALF_CLIPPED = 0.2  # of facets that are clipped, at which half of the polynomials counts
-MOST_LEAN = 0.95  # of the tilt at which the view would pass below a lobe's own horizon
-NARROWEST = 0.1  # within over across: what Cycles' Metallic BSDF offers
+FUNCTIONS = ("weight", "roughness", "anisotropy", "tilt")
+LOBES = 3
+SIZE = 25, 82  # slopes and views of the table: an image of less than 100 kB
+# Where the splines are sampled: below m = 0.0225 all is alike in u and in what is over m.
+PLACES = np.maximum(np.linspace(0.0, 1.0, SIZE[0]), 0.15), np.linspace(0.0, 1.0, SIZE[1])
+# Of the splines, in m^(1/2) and in u. A light that grazes needs more of the latter where steep views are.
+KNOTS = np.linspace(0.0, 1.0, 13), np.concatenate([np.arange(0.0, 0.2, 0.04), np.linspace(0.2, 1.0, 13)])
+Begins = tuple[tuple[float, float, int], ...]
+BEGINS: Begins = ((2.0, 1.0, 1), (1.65, 0.8, 2))  # of the second and the third lobe
+MOST_LEAN = 0.9  # of the tilt at which the view would pass below a lobe's own horizon
+NARROWEST = 0.1  # (within / across)^2 at anisotropy 1: what Cycles' Metallic BSDF offers
 
 
 @dataclass(frozen=True)
@@ -55,77 +61,115 @@ class Lobes:
 
 
 @cache
-def table() -> dict[str, Floats]:
-    """Coefficients c[lobe, j, k] of T_j(2x - 1) T_k(2m - 1), Chebyshev's, for each of ``FUNCTIONS``."""
+def control_points() -> dict[str, Floats]:
+    """What the table is made of: control points [lobe, m, view] of each of ``FUNCTIONS``, coefficients of ``share``."""
     with TABLE.open("rb") as file:
         return {name: np.array(numbers) for name, numbers in tomllib.load(file).items()}
 
 
-def polynomial(coefficients: Floats, x: Floats, m: Floats) -> Floats:
-    """Sum of c[..., j, k] T_j(2x - 1) T_k(2m - 1); x and m (...), the result (..., lobes)."""
-    sizes = coefficients.shape[-2:]
-    of_x, of_m = (
-        np.polynomial.chebyshev.chebvander(2.0 * v - 1.0, n - 1).reshape(*v.shape, n)
-        for v, n in zip((x, m), sizes, strict=True)
-    )
-    products = np.einsum("...j,...k->...jk", of_x, of_m)
-    return np.einsum("...jk,ljk->...l", products, coefficients)
+@cache
+def tables() -> dict[str, Floats]:
+    """Numbers [lobe, m, view] of each of ``FUNCTIONS`` as shaders look them up."""
+    return sampled(control_points())
 
 
-def lobes(wo: ArrayLike, m: ArrayLike, coefficients: dict[str, Floats] | None = None) -> Lobes:
+def sampled(control: dict[str, Floats], begins: Begins | None = None) -> dict[str, Floats]:
+    """Numbers [lobe, m, view] of the splines that ``control`` makes, at ``SIZE`` evenly spaced m^(1/2) and views.
+
+    Both are from 0 to 1; views by ``view_coordinate``. Control points of roughness are over m^(1/2), of tilt over m;
+    the first lobe, round and upright, has none of tilt and anisotropy. Each number is held to its range.
+    """
+    weight, roughness, anisotropy, tilt = (_surfaces(control[name]) for name in FUNCTIONS)
+    root, (place, u) = np.linspace(0.0, 1.0, SIZE[0])[:, None], np.meshgrid(*PLACES, indexing="ij")
+    m, none = place * place, np.zeros_like(weight[:1])
+    c = m * (1.0 - u) / (m + u)
+    weight = np.clip(weight * needed(c, m, begins), 0.0, 1.0)
+    tilt = root * root * np.minimum(tilt, MOST_LEAN * c / np.maximum(1.0 - c * c, 1e-9) / m)
+    tilt = tilt / (1.0 + tilt * c)
+    found = weight, root * roughness, np.clip([*none, *anisotropy], 0.0, 1.0), np.array([*none, *tilt])
+    as_in_shaders = (of.astype(np.float32).astype(np.float64) for of in found)
+    return dict(zip(FUNCTIONS, as_in_shaders, strict=True))
+
+
+def needed(c: Floats, m: Floats, begins: Begins | None = None) -> Floats:
+    """How far each lobe may count, (lobes, ...): 1 for the first; of others 0 in views in which none is needed.
+
+    With t the slope of the flattest facets that the V-groove's G clips, and ``BEGINS`` of a lobe (a, b, n):
+    x^2 (3 - 2x), x = (a - t / m^n) / (a - b) held to 0..1. Such facets lean from the viewer by e / 3, e the view's
+    elevation: they send light to e / 3 above the horizon, where 2 (n.h)(n.l) = v.h.
+    """
+    t, m = np.tan(np.arcsin(np.clip(c, 0.0, 1.0)) / 3.0), np.maximum(m, 1e-9)
+    parts = [np.clip((a - t / m**n) / (a - b), 0.0, 1.0) for a, b, n in begins or BEGINS]
+    return np.stack([np.ones_like(t), *(x * x * (3.0 - 2.0 * x) for x in parts)])
+
+
+def _surfaces(control: Floats) -> Floats:
+    """Cubic splines at the table's slopes and views, (lobes, *SIZE), from control points (lobes, slopes, views)."""
+    of_m, of_u = (spline(knots, places) for knots, places in zip(KNOTS, PLACES, strict=True))
+    return np.asarray(np.einsum("jm,ku,lmu->ljk", of_m, of_u, control))
+
+
+def spline(knots: Floats, x: Floats) -> Floats:
+    """Each cubic B-spline B_k on ``knots`` at x (N,), (N, knots + 2); the first and the last are 1 at their ends.
+
+    By degree n, from 1 between two knots: B_k = (x - t_k) / (t_(k+n) - t_k) B_k' + (t_(k+n+1) - x) /
+    (t_(k+n+1) - t_(k+1)) B_(k+1)', B' of degree n - 1. Source: de Boor 1978, A Practical Guide to Splines, chapter IX.
+    """
+    t = np.concatenate([[knots[0]] * 3, knots, [knots[-1]] * 3])
+    last = np.clip(np.searchsorted(knots, x, side="right"), 1, len(knots) - 1) + 2
+    found = (np.arange(len(t) - 1) == last[:, None]).astype(np.float64)
+    for degree in (1, 2, 3):
+        width = t[degree:] - t[:-degree]
+        up = (x[:, None] - t[:-degree]) / np.where(width > 0.0, width, 1.0) * (width > 0.0)
+        found = up[:, :-1] * found[:, :-1] + (1.0 - up[:, 1:]) * (width[1:] > 0.0) * found[:, 1:]
+    return found
+
+
+def lobes(wo: ArrayLike, m: ArrayLike, of: dict[str, Floats] | None = None) -> Lobes:
     """The mixture for views ``wo`` and slopes ``m``, which are held to Cycles' limit of 1.
 
-    With x = m s / (c + m s), c = n.v, s = sin: 0 head-on, 1 at grazing, and alike for all m where m is small; with g =
-    ``clipped_share`` and polynomials w, r, t of each lobe and a of all:
-    weight = min(max(w0 + g w, 0), 1), w0 = ``ALONE`` for the first lobe and 0 for the others;
-    across = min(1, m (1 + g a)), the same for all;  within = across (1 - 0.9 min(max(x g r, 0), 1));
-    tilt = m (1 - x) s min(g t, ``MOST_LEAN`` / (x s)).
-    Head-on every lobe is round and upright, as it must be to stay continuous there.
+    With the table's weight w, roughness r, anisotropy a and tilt t, linear between its nodes, s = sin and c = cos:
+    across = r^2 / b, within = r^2 b, each at most 1, b = (1 - 0.9 a)^(1/2);  n' ~ n - t wo, of slope t s / (1 - t c).
 
     wo: unit vectors (..., 3); m: RMS slope > 0. Raises ValueError outside these ranges.
+    of: numbers in place of the committed table's.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
-    s, x, g, m = np.broadcast_arrays(np.hypot(wo[..., 0], wo[..., 1]), grazing(wo, m), clipped_share(wo, m), m)
-    of = coefficients or table()
-    alone = starts(len(of["weight"]))
-    values = (start + g[..., None] * polynomial(of[name], x, m) for name, start in zip(FUNCTIONS, alone, strict=True))
-    return shaped(m[..., None], x[..., None], s[..., None], *values)
+    c, s, u, m = np.broadcast_arrays(wo[..., 2], np.hypot(wo[..., 0], wo[..., 1]), view_coordinate(wo, m), m)
+    of = of or tables()
+    weight, roughness, anisotropy, tilt = (interpolated(of[name], u, np.sqrt(m)) for name in FUNCTIONS)
+    square, aspect = roughness**2, np.sqrt(1.0 - (1.0 - NARROWEST) * anisotropy)
+    slope = tilt * s[..., None] / (1.0 - tilt * np.maximum(c, 0.0)[..., None])
+    return Lobes(weight, np.minimum(square / aspect, 1.0), np.minimum(square * aspect, 1.0), slope)
 
 
-def starts(count: int) -> tuple[Floats, Floats, Floats, Floats]:
-    """What each of ``FUNCTIONS`` is where nothing is clipped: of ``count`` lobes one, upright and round, of slope m."""
-    return ALONE * (np.arange(count) == 0), np.zeros(count), np.zeros(count), np.ones(1)
+def view_coordinate(wo: Floats, m: ArrayLike) -> Floats:
+    """u = m (1 - c) / (c + m), c = n.v, (...): 0 head-on, 1 at grazing, and alike for all m where m is small.
 
-
-def clipped_share(wo: Floats, m: ArrayLike) -> Floats:
-    """g = q / (q + ``HALF_CLIPPED``) (...), q the share of facets steeper than the first that the V-groove's G clips.
-
-    q = exp(-(t / m)^2), t = c / (3^(1/2) + (3 - 3^(1/2)) s) with c = n.v, s = sin: within 0.6 % of tan(e / 3), e the
-    view's elevation. A facet that leans away from the viewer by e / 3 sends light to e / 3 above the horizon, where
-    2 (n.h)(n.l) = v.h.
+    Near the normal it is quadratic in the angle, as everything is that does not lean.
     """
-    c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
-    with np.errstate(under="ignore"):
-        q = np.exp(-np.square(c / (np.sqrt(3.0) + (3.0 - np.sqrt(3.0)) * s) / m))
-    return np.asarray(q / (q + HALF_CLIPPED), dtype=np.float64)
+    c, m = np.maximum(wo[..., 2], 0.0), np.asarray(m, dtype=np.float64)
+    return np.asarray(m * (1.0 - c) / np.maximum(c + m, 1e-300))
+
+
+def interpolated(numbers: Floats, u: Floats, root: Floats) -> Floats:
+    """``numbers`` [lobe, m, view] at views u and m^(1/2) (...), linear in both, (..., lobes)."""
+    (j, of_m), (k, of_u) = (_between(v, n) for v, n in zip((root, u), numbers.shape[1:], strict=True))
+    below, above_m = (numbers[:, at, k] * (1.0 - of_u) + numbers[:, at, k + 1] * of_u for at in (j, j + 1))
+    return np.moveaxis(below * (1.0 - of_m) + above_m * of_m, 0, -1)
+
+
+def _between(x: Floats, nodes: int) -> tuple[NDArray[np.intp], Floats]:
+    """The node below x and the share of the next, for nodes evenly spaced from 0 to 1."""
+    place = np.clip(x, 0.0, 1.0) * (nodes - 1)
+    node = np.minimum(place.astype(np.intp), nodes - 2)
+    return node, place - node
 
 
 def grazing(wo: Floats, m: ArrayLike) -> Floats:
-    """x = m s / (c + m s), (...): 0 head-on, 1 at grazing."""
+    """x = m s / (c + m s), (...): 0 head-on, 1 at grazing; the coordinate of the share's table."""
     c, s = np.maximum(wo[..., 2], 0.0), np.hypot(wo[..., 0], wo[..., 1])
     return np.asarray(m * s / np.maximum(c + m * s, 1e-300), dtype=np.float64)
-
-
-def shaped(m: Floats, x: Floats, s: Floats, weight: Floats, anisotropy: Floats, tilt: Floats, across: Floats) -> Lobes:
-    """Lobes from the values of the polynomials, as ``lobes`` says."""
-    across = np.minimum(m * across, 1.0) * np.ones_like(weight)
-    within = across * (1.0 - (1.0 - NARROWEST) * np.clip(x * anisotropy, 0.0, 1.0))
-    return Lobes(
-        np.clip(weight, 0.0, 1.0),
-        across,
-        within,
-        m * (1.0 - x) * s * np.minimum(tilt, MOST_LEAN / np.maximum(x * s, 0.01)),
-    )
 
 
 def mixture(wi: ArrayLike, wo: ArrayLike, m: ArrayLike) -> Floats:
@@ -199,7 +243,7 @@ def hybrid_share(wo: ArrayLike, m: ArrayLike, bound: ArrayLike) -> Floats:
     wo: unit vectors (..., 3); m: RMS slope > 0; bound: 0.001 to 0.05. Raises ValueError outside these ranges.
     """
     wo, m = as_directions(wo, "wo"), np.minimum(as_positive(m, "m"), 1.0)
-    return hybrid.share(table()["share"], 2.0 * grazing(wo, m) - 1.0, 2.0 * m - 1.0, bound)
+    return hybrid.share(control_points()["share"], 2.0 * grazing(wo, m) - 1.0, 2.0 * m - 1.0, bound)
 
 
 def cook_torrance_hybrid(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, bound: ArrayLike) -> Floats:

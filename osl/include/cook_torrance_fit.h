@@ -13,13 +13,6 @@ float fit_x(normal n, vector wo, float m)
     return ms / max(max(c, 0) + ms, 1e-20);
 }
 
-// How far the table's polynomials count: little where the V-groove clips next to no facet
-float fit_clipped_share(normal n, vector wo, float m)
-{
-    float c = dot(n, wo), t = max(c, 0) / (sqrt(3) + (3 - sqrt(3)) * length(wo - c * n)) / m, q = exp(-t * t);
-    return q / (q + FIT_HALF_CLIPPED);
-}
-
 // c of hybrid, which keeps what it has too much of below the bound
 float fit_share(normal n, vector wo, float slope, float bound)
 {
@@ -27,32 +20,17 @@ float fit_share(normal n, vector wo, float slope, float bound)
     return clamp(fit_share_at(2 * fit_x(n, wo, m) - 1, 2 * m - 1, bound), 0, 1);
 }
 
-// T_0 to T_8 at x
-void chebyshev(float x, output float T[FIT_CHEBYSHEV])
+// From the table's numbers: of the first lobe the roughness, of the others also anisotropy and tilt
+void fit_lobes(normal n, vector wo, vector weights, float first, vector second, vector third,
+               output Lobe lobes[FIT_LOBES])
 {
-    T[0] = 1;
-    T[1] = x;
-    for (int k = 2; k < FIT_CHEBYSHEV; ++k)
-        T[k] = 2 * x * T[k - 1] - T[k - 2];
-}
-
-void fit_lobes(normal n, vector wo, float slope, output Lobe lobes[FIT_LOBES])
-{
-    float m = min(slope, 1), x = fit_x(n, wo, m), g = fit_clipped_share(n, wo, m);
-    vector aside = wo - dot(n, wo) * n;
-    float Ty[FIT_CHEBYSHEV], Tn[FIT_CHEBYSHEV];
-    chebyshev(2 * x - 1, Ty);
-    chebyshev(2 * m - 1, Tn);
-    vector weight = g * fit_weight(Ty, Tn) + vector(FIT_ALONE, 0, 0);
-    vector anisotropy = x * g * fit_anisotropy(Ty, Tn);
-    vector tilt = min(g * fit_tilt(Ty, Tn), vector(FIT_MOST_LEAN / max(x * length(aside), 0.01)));
-    float across = min(m * (1 + g * fit_across(Ty, Tn)), 1);
-    vector lean = m * (1 - x) * aside;
+    vector of[FIT_LOBES] = {vector(first, 0, 0), second, third};
     for (int k = 0; k < FIT_LOBES; ++k) {
-        lobes[k].weight = clamp(weight[k], 0, 1);
-        lobes[k].across = across;
-        lobes[k].within = across * (1 - 0.9 * clamp(anisotropy[k], 0, 1));
-        lobes[k].n = normalize(n - tilt[k] * lean);
+        float square = of[k][0] * of[k][0], aspect = sqrt(1 - 0.9 * of[k][1]);
+        lobes[k].weight = weights[k];
+        lobes[k].across = min(square / aspect, 1);
+        lobes[k].within = min(square * aspect, 1);
+        lobes[k].n = normalize(n - of[k][2] * wo);
     }
 }
 
