@@ -83,8 +83,9 @@ class Value:
     @property
     def rgb(self) -> tuple[Value, Value, Value]:
         """The three components of a colour: one step in Cycles, for which ``xyz`` takes four."""
-        r, g, b = self.tree.node("ShaderNodeSeparateColor", self).outputs
-        return Value(self.tree, r), Value(self.tree, g), Value(self.tree, b)
+        apart = self.tree.node("ShaderNodeSeparateColor", Color=self)
+        r, g, b = (Value(self.tree, output(apart, name)) for name in ("Red", "Green", "Blue"))
+        return r, g, b
 
 
 class Tree:
