@@ -29,7 +29,7 @@ def test_default_material_shows_what_the_nearest_native_one_does(blender, name, 
     agrees(name, subject)
 
 
-@pytest.mark.newest
+@pytest.mark.once
 @pytest.mark.parametrize(("name", "subject"), SLOW)
 def test_default_material_shows_it_in_eevee_too(blender, name, subject):
     """Each row takes seconds, most of them for a render without a window."""

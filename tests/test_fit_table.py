@@ -144,7 +144,7 @@ def looked_up(setup, block, u, root, *, alpha=False):
         ]
         over, of_m = at
         color, fourth = fit_table.look_up(tree, over + 0.25, 0.25 + 0.0 * of_m, of_m)[block]
-        shown = tree.node("ShaderNodeEmission", fourth if alpha else color)
+        shown = tree.node("ShaderNodeEmission", Color=fourth if alpha else color)
         tree.output_shader("Found", shown.outputs[0], tip="As light")
 
     made = new_material("Look up")
