@@ -12,6 +12,7 @@ import pytest
 from vgroove.addon import automatic, versions
 from vgroove.addon.material import KEY, Choice, build, origin_of, plays
 from vgroove.addon.presets import shipped
+from vgroove.nodegroups import fit_table
 
 pytestmark = pytest.mark.blender
 
@@ -89,7 +90,7 @@ def test_assets_that_change_bring_their_course(blender, library):
 
 
 def test_assets_bring_no_more_than_they_need(blender, library):
-    """One material appended brings its groups and nothing else, and building the same preset gives that one."""
+    """One material appended brings its groups and their table, and building the same preset gives that one."""
     preset = shipped()["metals/gold"]
     with blender.data.libraries.load(str(library), link=False) as (_, here):
         here.materials = [preset.name]
@@ -97,5 +98,5 @@ def test_assets_bring_no_more_than_they_need(blender, library):
     assert material[KEY]
     assert len(blender.data.materials) == 1
     assert not blender.data.objects
-    assert not blender.data.images
+    assert [image.name for image in blender.data.images] == [fit_table.NAME]
     assert build(preset, Choice("nodes", "fit")) is material
