@@ -79,21 +79,22 @@ def check_whole(folder, same_as_quiet, tasks):
 
 
 @pytest.mark.once
-def test_twenty_kills_cost_nothing(folder, same_as_quiet, family):
+def test_eight_kills_cost_nothing(folder, same_as_quiet, family):
     """kill -9 of any process, also one that is only starting: each task once, the pixels of a quiet run."""
-    tasks = parse(SMALL + f"seed = {list(range(60))}\n", "job", folder)
+    tasks = parse(SMALL + f"seed = {list(range(24))}\n", "job", folder)
     found, kills, draw = [], 0, random.Random(6)  # noqa: S311 - which one is killed
     for outcome in pool.outcomes(tasks, folder / "out", VERSIONS, limits()):
         found.append(outcome)
-        if len(found) % 2 and kills < 20 and (alive := family(os.getpid(), RENDERER)):
+        if len(found) % 2 and kills < 8 and (alive := family(os.getpid(), RENDERER)):
             draw.choice(alive).kill()
             kills += 1
-    assert kills == 20
+    assert kills == 8
     assert {one.status for one in found} <= {"rendered", "there"}  # killed before it could say so
     assert sorted(one.name for one in found) == sorted(task.identity(VERSIONS) for task in tasks)
     check_whole(folder, same_as_quiet, tasks)
 
 
+@pytest.mark.once
 def test_a_task_that_is_stuck_is_set_aside_and_the_rest_goes_on(folder, same_as_quiet):
     """After three tries, with the reason."""
     tasks = parse(STUCK + SMALL + "seed = [0, 1, 2]\n", "job", folder)
@@ -189,6 +190,7 @@ def test_ctrl_c_stops_cleanly(folder, family):
     assert not list((folder / "out").glob(".*"))
 
 
+@pytest.mark.once
 def test_two_batches_in_one_folder_do_not_harm_each_other(folder, same_as_quiet):
     """At once, each to the end."""
     job = SMALL + f"seed = {list(range(20))}\n"
