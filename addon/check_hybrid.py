@@ -36,7 +36,7 @@ SUN_ANGLE = 20.0
 SUN_THETAS = (20.0, 70.0)
 SUN_SAMPLES = {"corrected": 512, "hybrid": 2048}
 MIRRORED = 0.2  # of hybrid at that slope, at least
-# A test holds ``versions.LEANING`` to what such lobes do in the mean over views, to a fifth. Slopes to NARROW do so at
+# A test holds what such lobes do in the mean over views to ``versions.LEANING``. Slopes to NARROW do so at
 # grazing views alone, which are noisy and weigh next to nothing in a row.
 NARROW = 0.3
 NOISY_ROWS = 13  # rows of the plan that are judged by Z-tests; a test holds it to the plan
@@ -50,7 +50,7 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     wo = furnace_directions()
     expected = albedo(preset.reference(), wo) + fine
     more = versions.LEANING * m if m > NARROW else 0.0
-    leaning = more * hybrid_share(wo, m, DEFAULT_BOUND)[:, None] * expected  # in the mean, and as much for doubt
+    leaning = 0.5 * more * hybrid_share(wo, m, DEFAULT_BOUND)[:, None] * expected  # half of it, and as much for doubt
     # Two grids apart by as much say how well the reference is known.
     view = furnace_view(preset, setup, "hybrid", expected + leaning, doubt=np.hypot(fine - coarse, leaning))
     return Row("hybrid, furnace", setup, fresnel, m, [view], noisy_rows=NOISY_ROWS)
