@@ -20,11 +20,10 @@ from .material import (
     RANDOM,
     MaterialError,
     binds,
-    is_of_other_cycles,
     locked,
 )
 from .presets import TRANSPARENT
-from .rebuild import rebuild
+from .rebuild import is_of_other_cycles, rebuild
 from .reference import cycles
 
 if TYPE_CHECKING:

@@ -45,8 +45,8 @@ DIFFUSE: dict[str, dict[str, tuple[float, ...]]] = {  # Oren-Nayar, at SIGMAS
 DIELECTRIC, DIELECTRIC_NOISE = {"closure": 2.0, "fit": 0.25}, 1.8
 SKY_SHARE = 0.2  # a sky's share of the light beside lights
 FIT_TIME = 1.2  # time of a sample by fit over one by closure: measured are 1.14 to 1.27 (tests/test_fit_speed.py)
-# Under which light each model was measured (docs/report.json); what is compared elsewhere is estimated from the tables
-# above, which are those of other materials, and no comparison is told.
+# The kinds of light under which each model was measured (docs/report.json). Elsewhere the tables above, measured with
+# other materials, give an estimate, and no comparison is shown.
 MEASURED = {
     "cook_torrance": {"even", "picture", "lights", "picture and lights"},
     "oren_nayar": {"even", "picture", "lights", "picture and lights"},

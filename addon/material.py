@@ -44,7 +44,6 @@ from . import lamps as lamp_binding
 from .origin import Record
 from .preset_checks import M_RANGE, base_name
 from .presets import TRANSPARENT, Preset
-from .reference import cycles
 from .reference.hybrid import BOUNDS, DEFAULT_BOUND
 from .timeline import Timeline
 
@@ -392,20 +391,6 @@ def upgrade(material: Material) -> Record:
         record = replace(record, state="" if edited else state_of(material))
         origin.write(material, record)
     return record
-
-
-def is_of_other_cycles(material: Material) -> bool:
-    """Whether a material was built for a Cycles that renders it otherwise than the one that runs.
-
-    By Blender 5.3 Cycles' own Oren-Nayar changed, and what OSL's closures of glass make of the IOR.
-    """
-    kept, node = origin.read(material), roles.node(material, roles.MODEL)
-    if kept is None or node is None or nodegroups.cycles_of(node.node_tree) == cycles.meant():
-        return False
-    preset = kept.preset
-    models = {preset.model, *(part.model for part in preset.parts().values())}
-    borrows = kept.estimator in {*NATIVE, "corrected", "hybrid"}
-    return ("oren_nayar" in models and borrows) or (preset.model == "glass" and kept.backend == "osl")
 
 
 def locked(material: Material) -> str:

@@ -17,6 +17,7 @@ from .. import nodegroups
 from ..nodegroups import eevee
 from . import animation, colour_space, colour_update, material, origin, roles
 from .material import Choice, lamps_to_bind
+from .reference import cycles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -85,6 +86,20 @@ def reset(made: Material, scene: Scene) -> list[str]:
         elif path in courses or path in drivers:
             lost.append(f"{socket.name} keeps its {'driver' if path in drivers else 'keys'}")
     return lost
+
+
+def is_of_other_cycles(made: Material) -> bool:
+    """Whether a material was built for a Cycles that renders it otherwise than the one that runs.
+
+    By Blender 5.3 Cycles' own Oren-Nayar changed, and what OSL's closures of glass make of the IOR.
+    """
+    kept, node = origin.read(made), roles.node(made, roles.MODEL)
+    if kept is None or node is None or nodegroups.cycles_of(node.node_tree) == cycles.meant():
+        return False
+    preset = kept.preset
+    models = {preset.model, *(part.model for part in preset.parts().values())}
+    borrows = kept.estimator in {*material.NATIVE, "corrected", "hybrid"}
+    return ("oren_nayar" in models and borrows) or (preset.model == "glass" and kept.backend == "osl")
 
 
 def _current(made: Material) -> Record:

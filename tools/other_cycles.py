@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes tests/data/UNTIL_5_2.blend or SINCE_5_3.blend, by the Blender that runs: materials that the other is told of.
+"""Writes tests/data/until_5_2.blend or since_5_3.blend with the running Blender, for the tests of updated files.
 
 uv run python tools/other_cycles.py         and once more in .venv-5.3
 """
