@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Everything in Python but the node groups; the folder names are the architecture (docs/architecture.md)."""
+"""What Blender loads, and nothing else. Imports go one way: reference, library, blender, choose, ui."""

@@ -6,9 +6,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..addon.reference.fresnel import F82_COSINE
-from ..addon.versions import EXACT_CONDUCTOR
 from . import cook_torrance, fresnel
 from ._tree import Number, Tree, Value, output, sqrt
+from .versions import EXACT_CONDUCTOR
 
 if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket

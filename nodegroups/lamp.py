@@ -55,7 +55,7 @@ REVISION = 4
 AREAS = ("RECTANGLE", "ELLIPSE")
 KINDS = ("SUN", "POINT", "SPOT", *AREAS)
 STREAM = 10  # of the first lamp; each further one has the next. mirror's facet has the first
-RIG = "vgroove_lights"  # custom property of a scene that tells of its lights (addon/lamps.py)
+RIG = "vgroove_lights"  # custom property of a scene that tells of its lights (addon/blender/lamps.py)
 
 
 @dataclass(frozen=True)

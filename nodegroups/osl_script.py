@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import bpy
 
-from ..addon import versions
-from . import cook_torrance_table, oren_nayar_table, random_numbers
+from . import cook_torrance_table, oren_nayar_table, random_numbers, versions
 from ._tree import Number, Tree, Value
 
 if TYPE_CHECKING:

@@ -17,16 +17,18 @@ import numpy as np
 import psutil
 import pytest
 
-from vgroove.addon import headless
+from vgroove import headless
 
 headless.prepare()
 
 import bpy  # noqa: E402 - prepare() must come first
 
-from vgroove.addon import gonio, images, scene, versions  # noqa: E402
-from vgroove.addon.batch.outcome import RECORD, read_record  # noqa: E402
-from vgroove.addon.batch.task import Renderer  # noqa: E402
-from vgroove.addon.report.findings import DEFAULT  # noqa: E402
+from vgroove.addon.blender import gonio, images  # noqa: E402
+from vgroove.batch.outcome import RECORD, read_record  # noqa: E402
+from vgroove.batch.task import Renderer  # noqa: E402
+from vgroove.headless import scene  # noqa: E402
+from vgroove.lab.report.findings import DEFAULT  # noqa: E402
+from vgroove.nodegroups import versions  # noqa: E402
 
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 

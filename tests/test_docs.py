@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vgroove.addon import presets
-from vgroove.addon.report import documents, draw, figures, findings, plots, summary
-from vgroove.addon.report.record import ReportError
+from vgroove.addon.library import presets
+from vgroove.lab.bench import figures
+from vgroove.lab.bench.record import ReportError
+from vgroove.lab.report import documents, draw, findings, plots, summary
 
 ROOT = Path(__file__).parent.parent
 PAGES = ["README.md", "CONTRIBUTING.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").glob("*.md"))]
@@ -53,32 +54,32 @@ GIVEN = {
         "at most 1 MB": "a limit of batch.job",
     },
     "docs/colour.md": {
-        "less than 0.4 %": "a bar of tests/test_colour_space.py",
-        "at most 0.008": "a bar of tests/test_colour_space.py",
-        "at most 0.25": "a bar of tests/test_colour_space.py",
+        "less than 0.4 %": "a bar of tests/blender/test_colour_space.py",
+        "at most 0.008": "a bar of tests/blender/test_colour_space.py",
+        "at most 0.25": "a bar of tests/blender/test_colour_space.py",
     },
     "docs/estimators.md": {
-        "albedo of Fit is within 1.5 % of": "a bar of tests/test_advice.py",
-        "up to 0.01 on average": "a bar of tests/test_advice.py",
+        "albedo of Fit is within 1.5 % of": "a bar of tests/choose/test_advice.py",
+        "up to 0.01 on average": "a bar of tests/choose/test_advice.py",
         "slope m up to 0.075": "advice.SHARPEST, as in Cycles",
-        "| −5.5 % | −2.5 % | +5 % | +32 % |": "what tests/test_bump.py measures",
-        "| −6 % | −4.5 % | −0.5 % | +17 % |": "what tests/test_bump.py measures",
-        "is 30 % too bright": "what tests/test_bump.py measures",
+        "| −5.5 % | −2.5 % | +5 % | +32 % |": "what tests/blender/test_bump.py measures",
+        "| −6 % | −4.5 % | −0.5 % | +17 % |": "what tests/blender/test_bump.py measures",
+        "is 30 % too bright": "what tests/blender/test_bump.py measures",
     },
-    "docs/glass.md": {"R + T = 1 to 1e-4": "a bar of tests/test_glass.py"},
+    "docs/glass.md": {"R + T = 1 to 1e-4": "a bar of tests/models/test_glass.py"},
     "docs/oren_nayar.md": {
         "0.1 to 5 %": "the bounds that there are",
         "0.5 % unless changed": "the bound that hybrid is built with",
-        "that of the model to 0.6 %": "a bar of tests/test_reference_oren_nayar.py",
+        "that of the model to 0.6 %": "a bar of tests/reference/test_oren_nayar.py",
     },
     "docs/presets.md": {
         "come within 1e-3": "a rule",
-        "every channel to 1e-3": "a bar of tests/test_make_presets.py",
+        "every channel to 1e-3": "a bar of tests/tools/test_make_presets.py",
         "within 0.003": "what the presets say, by tools/optical_constants.py",
     },
     "docs/testing.md": {
-        "under 1e-11": "a bar of tests/test_reference_scatmech.py",
-        "under 1e-12": "a bar of tests/test_reference_mpmath.py",
+        "under 1e-11": "a bar of tests/reference/test_scatmech.py",
+        "under 1e-12": "a bar of tests/reference/test_mpmath.py",
         "above 1e-300": "where that bar holds",
         "rounds to 6e-8": "half a unit in float32's last place, 2^-24",
         "1e-5 of a cosine": "6e-8 over the cosine of 89.7 degrees",
@@ -86,7 +87,7 @@ GIVEN = {
         "within 0.01": "what advice.native_fresnel_error tells",
         "held to 10 %": "a bar",
         "6 % was asked for": "what was aimed at",
-        "6.5 to 7.7 %": "what tests/test_reference_fit.py holds it to",
+        "6.5 to 7.7 %": "what tests/reference/test_fit.py holds it to",
         "1.15 times what": "a bar that was",
         "at most 4 %": "a bar",
         "8.5 % for": "a bar",
@@ -106,7 +107,7 @@ GIVEN = {
         "(0.1 % unless": "the tolerance",
         "within 1e-4 frames": "Blender's",
         "nearer than 1e-3": "what is written",
-        "under 1e-12": "a bar of tests/test_reference_trajectory.py",
+        "under 1e-12": "a bar of tests/reference/test_trajectory.py",
         "resolve 1 %": "what must be seen",
         "that is 1 % late": "what must be seen",
     },

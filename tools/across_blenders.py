@@ -18,13 +18,17 @@ from pathlib import Path
 
 import numpy as np
 
-from vgroove.addon import headless
+from vgroove import headless
 
 headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
 
-from vgroove.addon import automatic, gonio, material, presets, scene, versions  # noqa: E402
+from vgroove.addon.blender import gonio, material  # noqa: E402
+from vgroove.addon.choose import automatic  # noqa: E402
+from vgroove.addon.library import presets  # noqa: E402
+from vgroove.headless import scene  # noqa: E402
+from vgroove.nodegroups import versions  # noqa: E402
 
 PRESETS = (
     "lecture/copper", "metals/gold", "metals/aluminium", "metals_schlick/iron_schlick",

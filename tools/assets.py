@@ -14,15 +14,18 @@ import uuid
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vgroove.addon import headless
+from vgroove import headless
 
 headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
 import numpy as np  # noqa: E402
 
-from vgroove.addon import animation, assets, automatic, material, presets  # noqa: E402
-from vgroove.addon.files import replacing  # noqa: E402
+from vgroove.addon.blender import assets, material  # noqa: E402
+from vgroove.addon.blender import course as animation  # noqa: E402
+from vgroove.addon.choose import automatic  # noqa: E402
+from vgroove.addon.library import presets  # noqa: E402
+from vgroove.addon.library.files import replacing  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from vgroove.addon.presets import FIRST_FAMILY, shipped
+from vgroove.addon.library.presets import FIRST_FAMILY, shipped
 
 PREVIEWS = Path(__file__).parent.parent / "previews"
 TILE, COLUMNS, HEADING = 72, 16, 30

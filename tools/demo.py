@@ -15,7 +15,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from vgroove.addon import headless
+from vgroove import headless
 
 headless.prepare()
 
@@ -25,8 +25,11 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402
 
-from vgroove.addon import check, material, presets, scene, slots  # noqa: E402
-from vgroove.addon.material import lamps_to_bind  # noqa: E402
+from vgroove.addon.blender import material, slots  # noqa: E402
+from vgroove.addon.blender.material import lamps_to_bind  # noqa: E402
+from vgroove.addon.library import presets  # noqa: E402
+from vgroove.headless import scene  # noqa: E402
+from vgroove.lab.check import rows as check  # noqa: E402
 
 NAMES = ("water", "plastic", "glass", "diamond", "copper", "aluminium")
 SAMPLES = 128

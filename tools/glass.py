@@ -12,14 +12,16 @@ import sys
 from math import cos, pi, sin
 from pathlib import Path
 
-from vgroove.addon import headless
+from vgroove import headless
 
 headless.prepare()
 
 import bpy  # noqa: E402 - prepare() must come first
 from mathutils import Vector  # noqa: E402
 
-from vgroove.addon import check, check_glass, versions  # noqa: E402
+from vgroove.lab.check import glass as check_glass  # noqa: E402
+from vgroove.lab.check import rows as check  # noqa: E402
+from vgroove.nodegroups import versions  # noqa: E402
 
 SIZE = (300, 225)
 BOUNCES = 24

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from optical_constants import ABSORBING, AT, Constants, absorption, constants, effective, reflectance, table, targets
 
-from vgroove.addon import preset_files
-from vgroove.addon.preset_files import toml
-from vgroove.addon.presets import FOLDER
+from vgroove.addon.library import writing as preset_files
+from vgroove.addon.library.presets import FOLDER
+from vgroove.addon.library.writing import toml
 from vgroove.addon.reference import Conductor, Dielectric, schlick
 from vgroove.addon.reference.fresnel import F82_COSINE
 

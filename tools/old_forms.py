@@ -16,15 +16,16 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from vgroove.addon import headless
+from vgroove import headless
 
 headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
 
-from vgroove.addon import material, presets  # noqa: E402
-from vgroove.addon.animation import Play  # noqa: E402
-from vgroove.addon.material import BACKENDS, ESTIMATORS, Choice, lamps_to_bind  # noqa: E402
+from vgroove.addon.blender import material  # noqa: E402
+from vgroove.addon.blender.course import Play  # noqa: E402
+from vgroove.addon.blender.material import BACKENDS, ESTIMATORS, Choice, lamps_to_bind  # noqa: E402
+from vgroove.addon.library import presets  # noqa: E402
 from vgroove.nodegroups import trajectory  # noqa: E402
 
 OTHERS = (

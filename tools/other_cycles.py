@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vgroove.addon import headless, presets
+from vgroove import headless
+from vgroove.addon.library import presets
 
 headless.prepare()
 
 import bpy  # noqa: E402
 
-from vgroove.addon.material import Choice, build  # noqa: E402
+from vgroove.addon.blender.material import Choice, build  # noqa: E402
 from vgroove.addon.reference import cycles  # noqa: E402
 
 FOLDER = Path(__file__).parent.parent / "tests" / "data"

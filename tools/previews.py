@@ -21,15 +21,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from rich.progress import Progress
 
-from vgroove.addon import headless
+from vgroove import headless
 
 headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
 
-from vgroove.addon import automatic, material, presets, scene, slots, versions  # noqa: E402
-from vgroove.addon.files import replacing  # noqa: E402
-from vgroove.addon.material import lamps_to_bind  # noqa: E402
+from vgroove.addon.blender import material, slots  # noqa: E402
+from vgroove.addon.blender.material import lamps_to_bind  # noqa: E402
+from vgroove.addon.choose import automatic  # noqa: E402
+from vgroove.addon.library import presets  # noqa: E402
+from vgroove.addon.library.files import replacing  # noqa: E402
+from vgroove.headless import scene  # noqa: E402
+from vgroove.nodegroups import versions  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -14,11 +14,15 @@ import bpy
 import previews  # prepares Blender
 from PIL import Image, ImageDraw, ImageFont
 
-from vgroove.addon import animation, automatic, headless, material, presets, slots
-from vgroove.addon.material import lamps_to_bind
+from vgroove import headless
+from vgroove.addon.blender import course as animation
+from vgroove.addon.blender import material, slots
+from vgroove.addon.blender.material import lamps_to_bind
+from vgroove.addon.choose import automatic
+from vgroove.addon.library import presets
 
 if TYPE_CHECKING:
-    from vgroove.addon.presets import Preset
+    from vgroove.addon.library.presets import Preset
 
 MOMENTS, TILE, HEADING, LABEL = 8, 132, 22, 16
 PAPER, INK, GREY = (250, 250, 250), (40, 40, 40), (120, 120, 120)

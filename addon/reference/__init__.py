@@ -12,17 +12,7 @@ from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
 from .directions import reflect, spherical
 from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
 from .estimators import rendered
-from .fresnel import (
-    F82,
-    Conductor,
-    Dielectric,
-    Fresnel,
-    Schlick,
-    f82,
-    fresnel_conductor,
-    fresnel_dielectric,
-    schlick,
-)
+from .fresnel import F82, Conductor, Dielectric, Fresnel, Schlick, f82, fresnel_conductor, fresnel_dielectric, schlick
 from .glass import Glass, Pane, fresnel_transmittance, glass_btdf, refract
 from .keyframes import Keyframes, place_keys
 from .model import Model, albedo

@@ -2,7 +2,7 @@
 """Which Cycles is meant where a formula is that of one of its own closures.
 
 Blender 5.3 changed the light that Cycles' Oren-Nayar sends back after several bounces. Where Blender runs,
-``addon/versions.py`` says which one it is; elsewhere 5.2 LTS is meant.
+``nodegroups/versions.py`` says which one it is; elsewhere 5.2 LTS is meant.
 """
 
 from __future__ import annotations

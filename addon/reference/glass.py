@@ -16,18 +16,7 @@ import numpy as np
 
 from . import quadrature
 from .cook_torrance import CookTorrance, as_samples, visible_facet
-from .directions import (
-    TANGENT,
-    add_product,
-    as_directions,
-    as_pair,
-    as_positive,
-    as_rgb,
-    dot,
-    norm,
-    reflect,
-    through,
-)
+from .directions import TANGENT, add_product, as_directions, as_pair, as_positive, as_rgb, dot, norm, reflect, through
 from .distributions import beckmann_d, vgroove_g1
 from .fresnel import Dielectric
 

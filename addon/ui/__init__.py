@@ -8,7 +8,8 @@ from pathlib import Path
 
 import bpy
 
-from .. import colour_update, follow, presets
+from ..blender import colour_update, follow
+from ..library import presets
 from . import course, opened, operators, panels, preferences, properties, thumbnails, watch
 
 _registered = ExitStack()

@@ -10,8 +10,11 @@ import bpy
 
 from ...nodegroups.osl_script import OslError
 from ...nodegroups.trajectory import AGE, OFFSET, RATE
-from .. import animation, material, preset_files, presets
-from ..preset_checks import PresetError
+from ..blender import course as animation
+from ..blender import material
+from ..library import presets
+from ..library import writing as preset_files
+from ..library.checks import PresetError
 from ..reference.keyframes import TOLERANCE, TOLERANCES
 from . import properties
 from .text import lines

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import advice
+from ..choose import advice
 from .text import lines
 
 WIDTH = 420

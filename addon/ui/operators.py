@@ -11,17 +11,21 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...nodegroups.osl_script import OslError
-from .. import advice, animation, automatic, facts, material, preset_files, presets, slots
-from ..files import replacing
-from ..preset_checks import PresetError
-from ..rebuild import AS_IT_IS, rebuild, reset
+from ..blender import course as animation
+from ..blender import facts, material, slots
+from ..blender.rebuild import AS_IT_IS, rebuild, reset
+from ..choose import advice, automatic
+from ..library import presets
+from ..library import writing as preset_files
+from ..library.checks import PresetError
+from ..library.files import replacing
 from . import course, memory, watch
 from .properties import chosen_preset
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..facts import SceneFacts
+    from ..blender.facts import SceneFacts
 
 FILE_PATH = bpy.props.StringProperty(
     name="File Path", description="The preset's file", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import bpy
 
-from .. import material, presets, versions
+from ...nodegroups import versions
+from ..blender import material
+from ..library import presets
 from . import memory, operators, properties, watch
 from .preferences import ROOT
 from .text import lines

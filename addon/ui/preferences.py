@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import assets
+from ..blender import assets
 
 ROOT = __package__.removesuffix(".addon.ui")
 

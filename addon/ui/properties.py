@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import bpy
 
-from .. import presets
+from ..library import presets
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
 from . import memory, thumbnails
 

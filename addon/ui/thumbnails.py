@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import bpy.utils.previews
 
 if TYPE_CHECKING:
-    from ..presets import Preset
+    from ..library.presets import Preset
 
-FOLDER = Path(__file__).parent.parent.parent / "previews"
+FOLDER = Path(__file__).parents[2] / "previews"
 AT_ONCE, PAUSE = 16, 0.02  # pictures (some 2 ms each), seconds: the window stays responsive
 _pictures: list[Any] = []  # the one collection, while the extension is switched on
 _waiting: list[str] = []  # ids whose picture is not read yet

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from .. import facts
+from ..blender import facts
 
 if TYPE_CHECKING:
     from bpy.types import Scene
 
-    from ..facts import SceneFacts
+    from ..blender.facts import SceneFacts
 
 CHANGES = ("depsgraph_update_post", "frame_change_post", "load_pre", "load_post", "undo_pre", "undo_post", "redo_post")
 _known: dict[int, SceneFacts] = {}  # by the scene's session_uid

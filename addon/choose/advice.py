@@ -1,0 +1,450 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is wrong with a scene for an estimator, and how to mend it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from math import radians
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ...nodegroups import fit_table, lamp, versions
+from ...nodegroups.osl_script import OslError
+from ..blender import facts, lamps, rays
+from ..blender.material import BUILDERS, EVERY_LAMP, NATIVE, RANDOM, MaterialError, binds, locked
+from ..blender.rebuild import is_of_other_cycles, rebuild
+from ..library.presets import TRANSPARENT
+from ..reference import cycles
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from bpy.types import Material, Object, Scene
+
+    from ..blender.facts import SceneFacts
+    from ..blender.lamps import Light
+    from ..library.presets import Preset
+
+SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
+LAMP_SIZE = 0.05  # metres: what "Give Lights a Size" gives points and spots
+WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
+LIGHTEST = 1e-5  # weight of a closure, below which Cycles makes none
+FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light turns in glass that often and more
+FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
+
+
+DIFFUSE = {"oren_nayar", "sum", "car_paint"}  # models with a diffuse part that random facets mirror
+NAMES = {"auto": "Standard", "corrected": "Exact Lights", "mirror": "Reference"}  # others go by their own names
+SHARPEST = 0.075  # slope m up to which Cycles takes a lobe of its own, too, for a mirror when it stores denoising data
+LIGHTING_PASSES = ("diffuse", "glossy", "transmission", "subsurface")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Something that keeps an estimator from rendering as it should; ``mend`` is None where only the user can.
+
+    costs: what mending it takes from the rest of the scene, which *Mend All* therefore leaves alone; "" if nothing.
+    """
+
+    key: str
+    text: str
+    button: str = ""
+    mend: Callable[[], None] | None = None
+    costs: str = ""
+
+
+def problems(
+    scene: Scene | SceneFacts, backend: str, estimator: str, m: float = 0.0, model: str = "cook_torrance"
+) -> list[Problem]:
+    """What is wrong with a scene for this choice, the gravest first."""
+    known = facts.of(scene)
+    found = list(_engine_problems(known.scene, backend))
+    has = BUILDERS[model]
+    if estimator not in has:
+        text = f"This material has no {name_of(estimator)}; choose {', '.join(map(name_of, has))} or Automatic"
+        return [*found, Problem("model", text)]
+    bound = known.to_bind(estimator, model)
+    if estimator in RANDOM and (model != "glass" or m > 0.0):  # a smooth interface draws nothing
+        found += [*_unseen_problems(known, estimator, model), *_setting_problems(known.scene, estimator)]
+        found += _ray_problems(known)
+    if estimator in RANDOM:
+        found += _caustics_problems(known.scene, estimator, model)
+    if estimator == "direct":
+        found += _direct_problems(known)
+    if estimator in EVERY_LAMP:
+        found += _followed_problems(known, estimator, bound)
+    if bound:
+        found += [*_shadow_problems(backend, estimator, bound), *_emitted_problems(known, estimator)]
+    if estimator not in NATIVE:
+        found += _terminator_problems(known, estimator, model)
+        found += _picture_problems(known.scene, estimator, model, bound)
+        mirrored = estimator in RANDOM and (m > SHARPEST or model in DIFFUSE) and model != "translucent"
+        if mirrored or (
+            estimator in EVERY_LAMP and bound
+        ):  # of a translucent body Cycles stores what is below the coat
+            found += _denoiser_problems(known.scene, estimator)
+    if estimator in {*NATIVE, "corrected", "hybrid"} and m > 1.0:
+        but = " except at bound lights" if estimator == "corrected" else ""
+        text = f"Cycles' own lobes end at m = 1, which is shown in place of m = {m:g}{but}; Reference has no such end"
+        found.append(Problem("slope", text))
+    return found
+
+
+def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estimator: str) -> list[Problem]:
+    """The same for a preset, and what the preset's own numbers ask of the estimator."""
+    known = facts.of(scene)
+    found = problems(known, backend, estimator, preset.m, preset.model)
+    for part in list(preset.parts().values()) or [preset]:
+        if part.model == "cook_torrance" and estimator in BUILDERS[preset.model]:
+            found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
+    if preset.model == "glass" and preset.kind != "thin":  # a sheet has no inside
+        found += _bounce_problems(known.scene)
+    return [*found, *cycles_problems(known.scene), *_stale_problems(known)]
+
+
+def name_of(estimator: str) -> str:
+    """What artists call an estimator."""
+    return NAMES.get(estimator, estimator.title())
+
+
+def _fresnel_problems(preset: Preset, backend: str, estimator: str) -> Iterator[Problem]:
+    off = native_fresnel_error(preset.kind, backend)
+    if off and estimator not in {"mirror", "direct"}:
+        mend = "choose Reference" if preset.kind == "conductor" else "choose OSL or Reference"
+        text = f"Cycles' own lobes approximate this Fresnel term in Blender {bpy.app.version_string}"
+        yield Problem("fresnel", f"{text}: up to {100 * off:g} % of the light; {mend}")
+    head_on = preset.reference_fresnel()(1.0)
+    weak = preset.kind != "conductor" and (min(head_on) < WEAKEST or _is_thinner(preset))
+    if estimator == "hybrid" and weak:
+        text = f"Hybrid's bound holds for reflectances head-on from {WEAKEST:g}, seen from the thinner side"
+        yield Problem("bound", f"{text}; this material has {min(head_on):.2g}. Choose Reference")
+    if preset.kind == "dielectric" and 0.0 < max(head_on) < LIGHTEST and estimator != "direct":
+        text = f"Cycles leaves out light below {LIGHTEST:g} of what came, and this material reflects {max(head_on):.2g}"
+        yield Problem("faint", f"{text} head-on; an IOR farther from 1 reflects more")
+
+
+def _bounce_problems(scene: Scene) -> Iterator[Problem]:
+    """Light that is still on its way through a piece of glass when Cycles ends its path."""
+    cycles = scene.cycles
+    kinds = {"max_bounces": "Total", "glossy_bounces": "Glossy", "transmission_bounces": "Transmission"}
+    few = {name: most for name in kinds if (most := getattr(cycles, name)) < FEWEST_BOUNCES}
+    if few:
+        said = ", ".join(f"{kinds[name]} {most}" for name, most in few.items())
+        text = f"Light that glass turns more often than Max Bounces allow is lost: {said}"
+        enough = dict.fromkeys(few, FEWEST_BOUNCES)
+        yield Problem(
+            "bounces", text, f"Allow {FEWEST_BOUNCES} Bounces", partial(_set, cycles, **enough), "longer renders"
+        )
+
+
+def _is_thinner(preset: Preset) -> bool:
+    eta = preset.parameters.get("eta", 1.0)
+    return isinstance(eta, float) and eta < 1.0
+
+
+def native_fresnel_error(kind: str, backend: str) -> float:
+    """How far the Fresnel term of Cycles' own lobes may be off on this Blender, as a reflectance; 0 if it is exact."""
+    if versions.EXACT_CONDUCTOR or kind not in {"conductor", "dielectric"}:
+        return 0.0
+    if kind == "conductor":
+        return 0.01
+    return 0.035 if backend == "nodes" else 0.0
+
+
+def cycles_problems(scene: Scene) -> Iterator[Problem]:
+    """All materials of the file that were built for a Cycles that renders them otherwise, as one problem."""
+    found = [made for made in bpy.data.materials if is_of_other_cycles(made)]
+    if found:
+        before = cycles.meant() == cycles.SINCE_5_3
+        where = "5.2 or earlier" if before else "5.3 or later"
+        names = ", ".join(one.name for one in found)
+        text = f"Made in Blender {where}, these render differently here until you update them: {names}"
+        mendable = [made for made in found if not locked(made)]
+        mend = partial(_update_all, mendable, scene) if mendable else None
+        yield Problem("cycles", text, "Update" if mend else "", mend)
+
+
+def _update_all(found: Sequence[Material], scene: Scene) -> None:
+    """Rebuild all that can be; what a refusal says of the first that cannot is said after the others are done."""
+    refused = None
+    for made in found:
+        try:
+            rebuild(made, scene)
+        except (MaterialError, OslError) as error:
+            refused = refused or error
+    if refused:
+        raise refused
+
+
+def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
+    """Materials that lost their node group or table, and those made before a light was added or lost its size."""
+    if fit_table.lost():
+        text = f"The image {fit_table.NAME} was deleted: materials that need it render pink"
+        yield Problem("table", text, "Update", fit_table.restore)
+    for made, origin in known.origins.items():
+        update = None if locked(made) else partial(_update, made, known.scene)
+        if origin is None:
+            yield Problem(f"lost {made.name}", f"{made.name} has lost its node group", "Update", update)
+            continue
+        held = known.held(made) if origin.estimator not in NATIVE else set()
+        missing = [one for one in known.to_bind(origin.estimator, origin.preset.model) if str(one.slot) not in held]
+        if missing:
+            what = "are as Standard has them" if origin.estimator == "corrected" else "are missing"
+            text = f"Not included in {made.name} yet, where they {what}: {_names(missing)}"
+            yield Problem(f"stale {made.name}", text, "Update", update)
+
+
+def _update(made: Material, scene: Scene) -> None:
+    rebuild(made, scene)
+
+
+def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
+    render, cycles = scene.render, scene.cycles
+    if render.engine != "CYCLES":
+        yield Problem("engine", "The render engine is not Cycles", "Use Cycles", lambda: _set(render, engine="CYCLES"))
+    if backend == "osl" and not bpy.app.build_options.cycles_osl:
+        yield Problem("osl-build", "This Blender was built without OSL; choose the backend Nodes")
+    elif backend == "osl" and not cycles.shading_system:
+        text = "Open Shading Language is off: OSL materials render black"
+        yield Problem("osl", text, "Switch OSL On", lambda: _set(cycles, shading_system=True))
+    elif backend == "osl" and cycles.device == "GPU" and _compute_device() not in {"NONE", "OPTIX"}:
+        text = f"OSL runs on the CPU and on OptiX, not on {_compute_device()}; choose the backend Nodes"
+        mend = partial(_set, cycles, device="CPU")
+        yield Problem("device", text, "Render on the CPU", mend, "everything renders on the CPU")
+
+
+def _compute_device() -> str:
+    """What Blender's preferences have for rendering on a GPU: NONE, CUDA, OPTIX, HIP, METAL or ONEAPI."""
+    addon = bpy.context.preferences.addons.get("cycles")
+    return addon.preferences.compute_device_type if addon else "NONE"
+
+
+def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[Problem]:
+    """What shines and is not met by random facets, or rarely."""
+    name, but = name_of(estimator), "" if estimator == "mirror" else ", but for Fit's share"
+    sought, world = known.unbound(known.to_bind(estimator, model)), known.scene.world
+    pointlike = [one for one in sought if not one.sized]
+    if pointlike:
+        text = f"{name} does not see lights of zero size that it cannot bind{but}: {_lights(pointlike)}"
+        mend = partial(_give_size, pointlike)
+        yield Problem("size", text, "Give Lights a Size", mend, "softer shadows everywhere")
+    unsampled = [one for one in sought if not one.sampled]
+    if unsampled:
+        text = f"{name} does not see lights whose Multiple Importance is off{but}: {_lights(unsampled)}"
+        yield Problem("mis", text, "Switch Multiple Importance On", partial(_use_mis, unsampled))
+    if world is not None and not known.sky.sampled:
+        text = f"{name} does not see a world whose Multiple Importance is off{but}"
+        yield Problem("world", text, "Sample the World", partial(_set, world.cycles, sampling_method="AUTOMATIC"))
+    if known.sky.sun_disc:
+        text = f"{name} rarely hits the sun disc of the world's {known.sky.sun_disc}, whose light is lost or noisy"
+        yield Problem("disc", f"{text}; switch Sun Disc off and add a sun of zero size, which is bound")
+    emitters = [one for one in known.emitters if one.small]
+    if emitters:
+        text = f"{name} rarely hits small shining objects, whose light is lost or noisy"
+        yield Problem("emitters", f"{text}: {', '.join(one.name for one in emitters)}")
+    small = [one for one in sought if one.sized and one.small]
+    if small:
+        text = f"{name} rarely hits small lights and is noisy: {_lights(small)}"
+        shrinking = [one.item for one in small if not one.via and one.item.data.type != "AREA"]
+        if shrinking and binds(estimator, 0.0, model):
+            mend, costs = partial(_set_size, shrinking, 0.0), "sharp shadows everywhere"
+            more = ". Lights of size 0 are bound when you apply"
+            yield Problem("small", text + more, "Set Their Size to 0", mend, costs)
+        else:
+            yield Problem("small", f"{text}; make them larger, or choose Standard")
+
+
+def _setting_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
+    """Settings that take light from random facets."""
+    cycles, name = scene.cycles, name_of(estimator)
+    if cycles.use_adaptive_sampling:
+        text = f"Noise Threshold stops pixels that have not yet found a light, which darkens {name}"
+        mend = partial(_set, cycles, use_adaptive_sampling=False)
+        yield Problem("adaptive", text, "Switch Noise Threshold Off", mend, "longer renders")
+    if cycles.blur_glossy > 0:
+        mend = partial(_set, cycles, blur_glossy=0.0)
+        text = f"Filter Glossy is on and blurs {name}'s facets"
+        yield Problem("filter", text, "Set Filter Glossy to 0", mend, "more fireflies")
+    if cycles.sample_clamp_indirect > 0:
+        mend = partial(_set, cycles, sample_clamp_indirect=0.0)
+        text = f"Clamp Indirect is on and darkens {name}"
+        yield Problem("clamp", text, "Set Clamp Indirect to 0", mend, "more fireflies")
+
+
+def _caustics_problems(scene: Scene, estimator: str, model: str) -> Iterator[Problem]:
+    cycles, name = scene.cycles, name_of(estimator)
+    if model == "glass" and not cycles.caustics_refractive:
+        text = f"Refractive Caustics are off: light through {name} is lost"
+        mend = partial(_set, cycles, caustics_refractive=True)
+        yield Problem("refractive", text, "Switch Caustics On", mend, "more noise")
+    if not cycles.caustics_reflective:
+        text = f"Reflective Caustics are off: light by way of {name} is lost"
+        mend = partial(_set, cycles, caustics_reflective=True)
+        yield Problem("caustics", text, "Switch Caustics On", mend, "more noise")
+
+
+def _ray_problems(known: SceneFacts) -> Iterator[Problem]:
+    """Too few different rays to hash random numbers from: noise that no more samples take away, but other seeds do."""
+    scene, found = known.scene, known.different_rays
+    samples = scene.cycles.samples
+    if found >= FEWEST_RAYS * min(samples, rays.MOST):
+        return
+    where = " where nothing moves" if scene.render.use_motion_blur else ""
+    text = f"Of the rays in a pixel{where} only {found:.0f} differ, and random numbers with them"
+    text += f": {samples} samples have the noise of {1.0 / (1.0 / samples + 1.0 / found):.0f}"
+    if rays.filter_width(scene) < 1.0:
+        widen = partial(_set, scene.cycles, filter_width=1.5)
+        yield Problem("rays", f"{text}. The pixel filter is too narrow", "Widen the Pixel Filter", widen)
+    elif scene.camera.data.type == "ORTHO":
+        why = "An orthographic camera is too far from the origin"
+        yield Problem("rays", f"{text}. {why}", "Open Its Aperture a Little", partial(rays.open_aperture, scene))
+    else:
+        yield Problem("rays", f"{text}. The camera looks at too small an angle; move it nearer and shorten its lens")
+
+
+def _direct_problems(known: SceneFacts) -> Iterator[Problem]:
+    if not known.followed:
+        yield Problem("lamps", "Direct shows bound lights alone, and this scene has none that it can follow")
+    else:
+        yield Problem("alone", "Direct shows bound lights alone: no world, no reflections of other objects")
+
+
+def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
+    """Lights that the formula is not evaluated at."""
+    name, rest = name_of(estimator), "left out" if estimator == "direct" else "as Standard has them"
+    if not known.followed and estimator == "corrected":
+        yield Problem("lamps", f"{name} finds no light that it can bind here and is the same as Standard")
+    for refused in (why for item, why in known.refusals.items() if any(one.item == item for one in known.lights)):
+        yield Problem("refused", refused[0].upper() + refused[1:])
+    brought = [one for one in known.unbound([*known.followed, *known.refusals]) if one.via]
+    if brought:
+        text = f"{name} binds lights of the scene itself, of its collection instances and background sets"
+        yield Problem("brought", f"{text}; {rest}: {_lights(brought)}")
+    items = {light.item for light in bound}
+    if left := [light for light in known.followed if light.item not in items]:
+        yield Problem("limit", f"{name} binds the {len(bound)} strongest lights; {rest}: {_names(left)}")
+    if any(lamps.size(item) > 0 for item in items):
+        yield from _ray_problems(known)
+
+
+def _emitted_problems(known: SceneFacts, estimator: str) -> Iterator[Problem]:
+    """What differs from Cycles' own light where bound lights are added as emission."""
+    name, layers = name_of(estimator), [layer for layer in known.scene.view_layers if layer.use]
+    between = [f"{one} (hidden from shadow rays)" for one in known.unshadowed]
+    between += [f"{one} (transparent)" for one in known.seen_through]
+    between += [f"{one} (volume)" for one in known.volumes]
+    if between:
+        then = "; what they shade is as Standard has it" if estimator == "corrected" else ""
+        text = f"At bound lights {name} does not see light pass as Cycles does through {', '.join(between)}{then}"
+        yield Problem("between", text)
+    if known.groups:
+        yield Problem("groups", f"What {name} adds for bound lights is emitted and lands in no light group")
+    if any(getattr(layer, name) for layer in layers for name in _lighting_passes()):
+        yield Problem("passes", f"What {name} adds for bound lights stands in the Emission pass")
+
+
+def _denoiser_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
+    """What Cycles gives a denoiser beside the image, where that is not what its own closures would give.
+
+    Emission adds its radiance to the albedo. A mirror passes on the albedo and normal of what it reflects.
+    """
+    layers = [layer.cycles for layer in scene.view_layers if layer.use]
+    denoised = scene.cycles.use_denoising and any(layer.use_denoising for layer in layers)
+    guided = denoised and scene.cycles.denoising_input_passes != "RGB"
+    if not guided and not any(layer.denoising_store_passes for layer in layers):
+        return
+    name = name_of(estimator)
+    text = f"What {name} adds for bound lights stands in the Denoising Albedo"
+    if estimator == "direct":
+        text = f"{name} has its light in the Denoising Albedo, and no Denoising Normal"
+    elif estimator in RANDOM:
+        part = "a part of " if estimator == "hybrid" else ""
+        text = f"Denoising Albedo and Normal of {part}{name} are those of what its facets mirror"
+    if guided:
+        mend = partial(_set, scene.cycles, denoising_input_passes="RGB")
+        yield Problem("denoiser", text, "Denoise by Colour Alone", mend, "softer edges and textures")
+    else:
+        yield Problem("denoiser", text)
+
+
+def _terminator_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[Problem]:
+    """Cycles bends the cosine to each closure's own normal, and no light grazes a random facet."""
+    if known.shifted and estimator in {*RANDOM, "direct"} and model not in TRANSPARENT:
+        items = [item for name in known.shifted if (item := known.scene.objects.get(name)) is not None]
+        share = " where it mirrors" if estimator == "hybrid" else ""
+        text = (
+            f"{name_of(estimator)} does not follow a Shading Offset of the shadow terminator{share} and is too bright"
+        )
+        mend = partial(_clear_offsets, items)
+        yield Problem(
+            "terminator",
+            f"{text}: {', '.join(known.shifted)}",
+            "Set It to 0",
+            mend,
+            "jagged shadow lines on coarse meshes",
+        )
+
+
+def _clear_offsets(items: Sequence[Object]) -> None:
+    for item in items:
+        item.shadow_terminator_shading_offset = 0.0
+
+
+def _lighting_passes() -> list[str]:
+    kinds = [f"{of}_{part}" for of in LIGHTING_PASSES for part in ("direct", "indirect", "color")]
+    return [f"use_pass_{kind}" for kind in ("emit", *kinds)]
+
+
+def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[Light]) -> Iterator[Problem]:
+    """Clamping, baking, and view layers that show another material."""
+    name, cycles = name_of(estimator), scene.cycles
+    if cycles.sample_clamp_direct > 0 and (estimator == "hybrid" or (estimator == "corrected" and bound)):
+        mend = partial(_set, cycles, sample_clamp_direct=0.0)
+        text = f"Clamp Direct is on and clamps the parts of {name} one by one, which changes their sum"
+        yield Problem("clamp-direct", text, "Set Clamp Direct to 0", mend, "more fireflies")
+    diffuse = estimator in RANDOM and model in DIFFUSE
+    if cycles.bake_type in {"DIFFUSE", "GLOSSY"} and (bound or diffuse):
+        what = "what it adds for bound lights" if bound else "its diffuse part, which it mirrors"
+        text = f"A {cycles.bake_type.title()} bake of {name} lacks {what}; bake Combined, or choose Standard"
+        yield Problem("bake", text)
+    for layer in scene.view_layers:
+        if layer.use and layer.material_override is not None:
+            text = f"The view layer {layer.name} shows {layer.material_override.name} in place of every material"
+            yield Problem(f"override {layer.name}", text)
+
+
+def _shadow_problems(backend: str, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
+    if backend == "nodes" and not lamp.can_cast_shadows():
+        what = {"direct": "Bound lights", "corrected": "What Exact Lights adds of lights"}
+        text = f"{what.get(estimator, 'Lights of zero size')} shine through things with nodes in this Blender"
+        yield Problem("shadows", f"{text}, which has no Raycast node; choose OSL: {_names(bound)}")
+
+
+def _names(items: Sequence[Light]) -> str:
+    return ", ".join(item.name for item in items)
+
+
+def _lights(found: Sequence[facts.Light]) -> str:
+    return ", ".join(one.name for one in found)
+
+
+def _set(owner: object, **values: object) -> None:
+    for name, value in values.items():
+        setattr(owner, name, value)
+
+
+def _give_size(pointlike: Sequence[facts.Light]) -> None:
+    for one in pointlike:
+        _set_size([one.item], SUN_SIZE if one.item.data.type == "SUN" else LAMP_SIZE)
+
+
+def _set_size(items: Sequence[Object], size: float) -> None:
+    for item in items:
+        setattr(item.data, {"SUN": "angle", "AREA": "size"}.get(item.data.type, "shadow_soft_size"), size)
+
+
+def _use_mis(unsampled: Sequence[facts.Light]) -> None:
+    for one in unsampled:
+        one.item.data.cycles.use_multiple_importance_sampling = True

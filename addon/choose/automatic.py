@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Automatic, which artists know as Standard: one of Cycles' own closures, whatever the scene holds.
+
+It binds no light, draws no random facet and needs no driver, so nothing that is done to the scene later makes it wrong.
+Of ``closure`` and ``fit`` it takes the one with the smaller expected error at equal render time:
+
+    error^2 = bias^2 + noise^2,    noise = a N^-p after N samples
+
+Fit's bias is smaller and its samples take longer, so it is taken where the noise no longer hides the difference.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..blender import facts
+from ..blender.material import BUILDERS, NATIVE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bpy.types import Scene
+
+    from ..blender.facts import SceneFacts
+    from ..library.presets import Preset
+
+# Bias as a share of the image, rounded from docs/report.md: copper, plaster and plastic under an even world, one with a
+# picture, and lights. m = 1, sigmas other than 0.35, and an even world at slopes other than 0.3 are estimates.
+SLOPES, SIGMAS = (0.1, 0.3, 0.6, 1.0), (0.1, 0.35, 0.6, 1.0)
+FACETS: dict[str, dict[str, tuple[float, ...]]] = {  # Cook-Torrance, at SLOPES
+    "even": {"closure": (0.019, 0.024, 0.07, 0.12), "fit": (0.0024, 0.0041, 0.01, 0.015)},
+    "picture": {"closure": (0.0003, 0.0085, 0.028, 0.06), "fit": (0.0003, 0.0055, 0.014, 0.015)},
+    "lights": {"closure": (0.0001, 0.0015, 0.043, 0.13), "fit": (0.0002, 0.0021, 0.029, 0.029)},
+}
+DIFFUSE: dict[str, dict[str, tuple[float, ...]]] = {  # Oren-Nayar, at SIGMAS
+    "even": {"closure": (0.003, 0.028, 0.1, 0.2), "fit": (0.0001, 0.0004, 0.001, 0.002)},
+    "picture": {"closure": (0.006, 0.05, 0.12, 0.22), "fit": (0.001, 0.0047, 0.008, 0.01)},
+    "lights": {"closure": (0.004, 0.022, 0.1, 0.2), "fit": (0.001, 0.005, 0.008, 0.01)},
+}
+# Under an even world a dielectric's bias and noise are this many times as large: its reflectance rises toward grazing
+# angles, where closure is wrong and fit keeps the albedo.
+DIELECTRIC, DIELECTRIC_NOISE = {"closure": 2.0, "fit": 0.25}, 1.8
+SKY_SHARE = 0.2  # a sky's share of the light beside lights
+FIT_TIME = 1.2  # time of a sample by fit over one by closure: measured are 1.14 to 1.27 (tests/lab/test_fit_speed.py)
+# The kinds of light under which each model was measured (docs/report.json). Elsewhere the tables above, measured with
+# other materials, give an estimate, and no comparison is shown.
+MEASURED = {
+    "cook_torrance": {"even", "picture", "lights", "picture and lights"},
+    "oren_nayar": {"even", "picture", "lights", "picture and lights"},
+    "sum": {"even", "picture", "lights"},
+    "car_paint": {"picture", "lights"},
+    "translucent": {"picture"},
+}
+UNDER = {
+    "even": "under an even sky",
+    "picture": "under an environment map",
+    "lights": "under lights",
+    "picture and lights": "under an environment map and lights",
+}
+
+
+@dataclass(frozen=True)
+class Pick:
+    """An estimator, and in a few words why it is the one for a scene."""
+
+    estimator: str
+    why: str
+
+
+def pick(scene: Scene | SceneFacts | None, preset: Preset) -> Pick:
+    """``auto`` for this preset in this scene; None for a scene that is not known yet, as in an asset library.
+
+    Smooth glass takes ``mirror``, which is exact there and draws nothing at random.
+    """
+    if preset.model == "glass" and preset.m == 0.0:
+        return Pick("mirror", "a smooth interface is exact")
+    natives = [name for name in NATIVE if name in BUILDERS[preset.model]]
+    if len(natives) == 1:
+        return Pick(natives[0], "Cycles' own lobes; this model has no closer fit")
+    known = None if scene is None else facts.of(scene)
+    unmeasured = _not_measured(known, preset)
+    if known is None or unmeasured:
+        return Pick(natives[0], f"Cycles' own lobes, closest to the formula; nothing was measured of {unmeasured}")
+    chosen, why = _least(known, preset)
+    if (kind := kind_of_light(known)) not in MEASURED[preset.model]:
+        what = f"not measured for the model {preset.model} {UNDER[kind]}, but estimated from other materials"
+        why = f"Cycles' own closest lobes; {what}"
+    if preset.m > 1.0:
+        why = f"Cycles' own lobes end at m = 1, which stands in for m = {preset.m:g}; Reference has no such end"
+    return Pick(chosen, why)
+
+
+def pick_estimator(scene: Scene | SceneFacts | None, preset: Preset) -> str:
+    """The estimator of ``pick``."""
+    return pick(scene, preset).estimator
+
+
+def _not_measured(known: SceneFacts | None, preset: Preset) -> str:
+    if preset.model not in MEASURED:
+        return f"the model {preset.model}"
+    if known is None:
+        return "the scene"
+    if known.lights or known.sky.kind:
+        return ""
+    return "scenes lit by shining objects alone" if known.emitters else "scenes without light"
+
+
+def kind_of_light(known: SceneFacts) -> str:
+    """One of ``UNDER``. Beside lights an even world is taken to be dim."""
+    lit = bool(known.lights or known.emitters or known.sky.sun_disc)
+    if known.sky.kind == "picture":
+        return "picture and lights" if lit else "picture"
+    return "lights" if lit else "even"
+
+
+def _least(known: SceneFacts, preset: Preset) -> tuple[str, str]:
+    """With a denoiser, which takes the noise, bias alone decides."""
+    samples, denoised = known.scene.cycles.samples, known.scene.cycles.use_denoising
+    parts = list(preset.parts().values()) or [preset]
+    closure, fit = (_bias(known, parts, name) for name in ("closure", "fit"))
+    if not denoised:
+        closure = float(np.hypot(closure, _noise(known, parts, samples * FIT_TIME)))
+        fit = float(np.hypot(fit, _noise(known, parts, samples)))
+    if closure <= fit:
+        why = "its bias is small here" if denoised else f"its bias is below the noise of {samples} samples"
+        return "closure", f"Cycles' own closest lobes: {why}, and they are quickest"
+    at = "and a denoiser takes the noise" if denoised else f"which shows at {samples} samples"
+    return "fit", f"Cycles' own lobes, fitted to the formula: they come closer to it, {at}"
+
+
+def _bias(known: SceneFacts, parts: Sequence[Preset], estimator: str) -> float:
+    """The largest of a preset's parts."""
+    kind = kind_of_light(known)
+    off = max(_bias_of(part, kind.removesuffix(" and lights"), estimator) for part in parts)
+    if kind == "picture and lights":
+        at_lights = max(_bias_of(part, "lights", estimator) for part in parts)
+        return float(np.hypot(SKY_SHARE * off, at_lights))
+    return off
+
+
+def _bias_of(part: Preset, kind: str, estimator: str) -> float:
+    """Between slopes, and between sigmas, straight in both logarithms; beyond them as at the last."""
+    if part.model == "oren_nayar":
+        at, slopes, table = float(part.parameters["sigma"]), SIGMAS, DIFFUSE  # type: ignore[arg-type]
+    else:
+        at, slopes, table = part.m, SLOPES, FACETS
+    off = float(np.exp(np.interp(np.log(at), np.log(slopes), np.log(table[kind][estimator])))) if at else 0.0
+    return off * DIELECTRIC[estimator] if kind == "even" and _is_dielectric(part) else off
+
+
+def _noise(known: SceneFacts, parts: Sequence[Preset], samples: float) -> float:
+    """After so many samples of a lobe; narrow lobes make a broad light noisier."""
+    m = max((part.m for part in parts if part.model == "cook_torrance"), default=0.0)
+    narrow = 0.3 / max(m, 0.05) if m else 0.25
+    lit = bool(known.lights or known.emitters or known.sky.sun_disc)
+    if known.sky.kind == "picture":
+        return float(0.5 * samples**-0.6 if lit else 1.1 * samples**-0.66)
+    if known.is_soft:
+        return float(0.2 * narrow * samples**-0.55)
+    if known.sky.kind == "even":
+        louder = DIELECTRIC_NOISE if not lit and any(map(_is_dielectric, parts)) else 1.0
+        return float(louder * (0.13 * narrow if lit else 0.3 if m else 0.2) * samples**-0.95)
+    return 0.0
+
+
+def _is_dielectric(part: Preset) -> bool:
+    return part.model == "cook_torrance" and part.kind == "dielectric"

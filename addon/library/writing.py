@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets written: as text, and into a folder of the user's own. ``presets.parse`` reads them back. Imports no bpy."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from . import presets
+from .checks import PresetError
+from .files import check_writable, write_text
+from .presets import FLAGS, FRESNEL_KEYS, KINDS, LOBE, USER_FAMILY, Preset
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HEAD = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
+
+
+def value(of: Any) -> str:
+    """A TOML value: text, true or false, a number, or a list of them."""
+    if isinstance(of, bool):
+        return str(of).lower()
+    if isinstance(of, str):
+        escaped = of.replace("\\", "\\\\").replace('"', '\\"')
+        return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'
+    if isinstance(of, (int, float)):
+        return repr(float(of))
+    return "[" + ", ".join(value(part) for part in of) + "]"
+
+
+def toml(values: dict[str, Any], **tables: dict[str, Any] | list[dict[str, Any]]) -> str:
+    """Numbers and texts at the top, then tables, and lists of tables."""
+    lines = [f"{key} = {value(of)}" for key, of in values.items()]
+    for name, content in tables.items():
+        for one in content if isinstance(content, list) else [content]:
+            lines += ["", f"[[{name}]]" if isinstance(content, list) else f"[{name}]"]
+            lines += [f"{key} = {value(of)}" for key, of in one.items()]
+    return "\n".join(lines) + "\n"
+
+
+def dumps(preset: Preset) -> str:
+    """The text of ``preset``, which ``presets.parse`` reads back to the same."""
+    values: dict[str, Any] = {"name": preset.name, "model": preset.model}
+    tables: dict[str, dict[str, Any] | list[dict[str, Any]]] = {}
+    numbers = dict(preset.parameters)
+    if preset.model in KINDS:
+        values["kind"] = preset.kind
+    else:
+        tables["fresnel"] = {key: numbers.pop(key) for key in FRESNEL_KEYS[preset.kind]}
+    if preset.lobes:
+        tables["lobes"] = [{key: numbers.pop(f"{key}_{k}") for key in LOBE} for k in range(1, preset.lobes + 1)]
+    values |= {key: getattr(preset, key) for key in FLAGS.get(preset.model, ())}
+    optional = {"tags": preset.tags, "notes": preset.notes, "m_range": preset.m_range}
+    values |= {key: of for key, of in optional.items() if of} | numbers
+    tables["source"] = dict(preset.source)
+    if preset.verified:
+        tables["verified"] = dict(preset.verified)
+    if preset.time is not None:
+        of = preset.time
+        tables["time"] = {"unit": of.unit, "range": (of.start, of.end), "kind": of.kind}
+        tables |= {f"time.{name}": dict(law) for name, law in of.laws.items()}
+    return HEAD + toml(values, **tables)
+
+
+def file_name(name: str) -> str:
+    """A name as a file's, without ending: letters, digits and "_", whatever the name holds."""
+    return re.sub(r"\W+", "_", name.casefold()).strip("_") or "preset"
+
+
+def save(preset: Preset, folder: Path) -> Preset:
+    """Write ``preset`` into the user's ``folder`` by its name; the preset as it is found from now on.
+
+    PresetError where it would not read back or a preset of that name is there already, OSError where the folder cannot
+    be written. Nothing is ever overwritten.
+    """
+    path = folder / f"{file_name(preset.name)}.toml"
+    text = dumps(preset)
+    held = presets.parse(text, f"{USER_FAMILY}/{path.stem}", path.name)
+    if path.exists():
+        message = f'there is a preset "{path.stem}" in {folder} already; give this one another name'
+        raise PresetError(message)
+    folder.mkdir(parents=True, exist_ok=True)
+    check_writable(path)
+    write_text(path, text)
+    presets.reread()
+    return held
+
+
+def take(path: Path, folder: Path) -> Preset:
+    """Copy the preset in the file ``path`` into the user's ``folder``; raises as ``save`` and ``presets.load`` do."""
+    return save(presets.load(path), folder)

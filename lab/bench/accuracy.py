@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Error against run time: each scene and subject by each estimator, backend and peer, from 4 to 4096 samples a pixel.
+
+A cell holds, for each contender, one number a sample count: ``bias``, ``noise`` and ``rmse`` as ``statistics`` defines
+them, FLIP of the judged pixels, and seconds of the render call, by the wall and by the processor (median of seeds). A
+render of one sample goes before each contender's, which loads and compiles it. Seeds go round all contenders, so that
+what else the machine does falls on all alike. ``mirror`` takes more of them afterwards, without the clock, until it is
+known how its noise falls with samples.
+
+The truth is the reference's: in a furnace its albedo, of an opaque ball the integral of ``truth``, several times by
+random numbers of their own. Of what light goes through there are pictures by ``mirror`` in its place, which ``vgroove
+check`` holds against the reference.
+"""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from ... import headless
+from ...addon.blender import gonio, images
+from ...addon.library.files import replacing
+from ...addon.reference import albedo
+from . import contenders, mitsuba_peer, statistics, truth
+from .contenders import Contender
+from .flip import flip
+from .mitsuba_peer import Peer, PeerError
+from .record import Cell
+from .scenes import stage
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from bpy.types import Material
+    from numpy.typing import NDArray
+
+    from ...addon.library.presets import Preset
+    from .scenes import Stage
+
+SIZE, SMALLER = 14, 11  # pixels: a full report is to take less than an hour on two cores, on each Blender
+SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
+MIRROR, CLOSURE = "mirror, nodes", "closure, nodes"
+SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
+# Seeds that mirror takes more of, as often as it takes to know the slope of its noise well within 0.05, but no less
+# often than tells how well it is known: furnaces need the least, a lamp whose reflection lies on few pixels the most.
+ROUND, ROUNDS, SLOPE_KNOWN = {64: 16, 256: 8, 1024: 4, 4096: 2}, range(2, 11), 0.02
+PICTURE_SIZE, PICTURE_SAMPLES = 48, 64
+TRUTHS, FIRST_TRUTH = 4, 1001  # how many, and the first one's seed
+TRUTH_SAMPLES, RENDERED_SAMPLES = 8192, 16384  # a pixel of each truth
+QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
+LOOKED_AT = 16  # as have the references of pictures to look at
+# OSL shaders differ from nodes in time, elsewhere by about as much; and in Blender 4.5 where Cycles' own lobes have the
+# Fresnel term of a dielectric, exact only in OSL there.
+BOTH_BACKENDS = {("environment", "copper"), ("softbox", "copper"), ("softbox", "plastic")}
+
+
+def cells(*, quick: bool) -> list[Cell]:
+    return [
+        Cell(f"accuracy/{name}/{of}", partial(measure, name=name, subject=of, quick=quick))
+        for name, of in contenders.pairs(quick=quick)
+    ]
+
+
+def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, Any]:
+    """One scene and subject."""
+    counts = contenders.counts(quick=quick)
+    preset = contenders.subjects()[subject]
+    with headless.quiet(), ExitStack() as stack:
+        other, without = _mitsuba(stack, name, preset)
+        with stage(name, size_of(subject)) as shown:
+            backends = ("nodes", "osl") if (name, subject) in BOTH_BACKENDS else ("nodes",)
+            rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
+            truths = truths_of(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
+            found = _race(shown, rivals, counts)
+            slope = {} if name in statistics.SELDOM else _slope(shown, rivals, counts, found)
+            if other is not None:
+                rivals.append(other.contender)
+                found[other.contender.label] = other.race(name, counts, size_of(subject))
+            scored = {rival.label: _scored(rival, found[rival.label], counts, truths, shown) for rival in rivals}
+            scored[MIRROR] |= slope
+        drawn = None if name == "furnace" else pictures(folder, name, subject, preset, other)
+    return {
+        "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m,
+        "size": size_of(subject), "samples": list(counts), "seeds": [_seeds(samples) for samples in counts],
+        "first_seed": 1, "truth": _said(name, preset), "independent": _is_computed(name, preset),
+        "first_truth_seed": FIRST_TRUTH, "without": without,
+        "contenders": scored, "pictures": drawn,
+    }  # fmt: skip
+
+
+def size_of(subject: str) -> int:
+    return SMALLER if subject in SLOW else SIZE
+
+
+def truths_of(shown: Stage, name: str, preset: Preset, fewer: int = 1) -> NDArray[np.float64]:
+    """Pictures of what is true, (A, H, W, 3): one without noise in a furnace, else independent ones."""
+    size = shown.seen.shape[0]
+    if name == "furnace":
+        column = gonio.Geometry(furnace=True, resolution=(size, size)).wo()[:, :1]
+        return np.broadcast_to(albedo(preset.reference(), column), (1, size, size, 3))
+    return np.stack([_true(shown, name, preset, seed, fewer) for seed in range(FIRST_TRUTH, FIRST_TRUTH + TRUTHS)])
+
+
+def _true(shown: Stage, name: str, preset: Preset, seed: int, fewer: int) -> NDArray[np.float64]:
+    if truth.has(preset, name):
+        return truth.picture(shown, preset.reference(), TRUTH_SAMPLES // fewer, seed)
+    (mirror,) = (rival for rival in contenders.ours(preset, ("nodes",), lamps=False) if rival.label == MIRROR)
+    shown.item.active_material = mirror.make(shown.scene)
+    return _render(shown, RENDERED_SAMPLES // fewer, seed)[0]
+
+
+def _is_computed(name: str, preset: Preset) -> bool:
+    """Whether no picture of ``mirror`` is the truth."""
+    return name == "furnace" or truth.has(preset, name)
+
+
+@dataclass
+class Taken:
+    """The pictures of a contender at one sample count, by seed, and what each took, by wall and processor."""
+
+    pictures: list[NDArray[np.float64]] = field(default_factory=list)
+    wall: list[float] = field(default_factory=list)
+    cpu: list[float] = field(default_factory=list)
+
+
+def _race(shown: Stage, rivals: list[Contender], counts: tuple[int, ...]) -> dict[str, list[Taken]]:
+    """Of each contender what it took at each count."""
+    made: dict[str, Material] = {rival.label: rival.make(shown.scene) for rival in rivals}
+    found = {rival.label: [Taken() for _ in counts] for rival in rivals}
+    for seed in range(1, SEEDS + 1):
+        for rival in rivals:
+            shown.item.active_material = made[rival.label]
+            shown.scene.cycles.shading_system = rival.osl
+            _render(shown, 1, seed)
+            for samples, taken in zip(counts, found[rival.label], strict=True):
+                if seed <= _seeds(samples):
+                    picture, wall, cpu = _render(shown, samples, seed)
+                    taken.pictures.append(picture)
+                    taken.wall.append(wall)
+                    taken.cpu.append(cpu)
+    return found
+
+
+def _slope(
+    shown: Stage, rivals: list[Contender], counts: tuple[int, ...], found: dict[str, list[Taken]]
+) -> dict[str, Any]:
+    """How well the slope of ``mirror``'s noise is known, after as many pictures more as that takes; no clock runs."""
+    (mirror,) = (rival for rival in rivals if rival.label == MIRROR)
+    shown.item.active_material = mirror.make(shown.scene)
+    shown.scene.cycles.shading_system = mirror.osl
+    of = {samples: taken for samples, taken in zip(counts, found[MIRROR], strict=True) if samples in ROUND}
+    error = np.inf
+    for done in range(1, ROUNDS[-1] + 1):
+        for samples, taken in of.items():
+            first = len(taken.pictures) + 1
+            taken.pictures += [_render(shown, samples, seed)[0] for seed in range(first, first + ROUND[samples])]
+        if done in ROUNDS:
+            seen = {samples: np.stack(taken.pictures)[:, shown.seen] for samples, taken in of.items()}
+            error = statistics.slope(seen)[1]
+            if error <= SLOPE_KNOWN:
+                break
+    return {"slope_error": error}
+
+
+@dataclass(frozen=True)
+class Other:
+    """Mitsuba, and what it shows a preset by."""
+
+    peer: Peer
+    bsdf: dict[str, Any]
+
+    @property
+    def contender(self) -> Contender:
+        kind = self.bsdf["type"]
+        quickest = "" if self.peer.variant == mitsuba_peer.VARIANTS[0] else ", not its quickest variant"
+        differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({self.peer.version}, {self.peer.variant}{quickest})"
+        return Contender("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
+
+    def race(self, name: str, counts: tuple[int, ...], size: int) -> list[Taken]:
+        """As ``_race``: after Cycles, as each takes all cores."""
+        found = []
+        for samples in counts:
+            taken = Taken()
+            for seed in range(1, _seeds(samples) + 1):
+                one = self.peer.render(name, self.bsdf, samples, seed, size)
+                taken.pictures.append(one.picture)
+                taken.wall.append(one.wall)
+                taken.cpu.append(one.cpu)
+            found.append(taken)
+        return found
+
+
+def _mitsuba(stack: ExitStack, name: str, preset: Preset) -> tuple[Other | None, str]:
+    """Mitsuba until the stack is left, if it has the scene and something like the preset; or why not."""
+    if name not in mitsuba_peer.SCENES:
+        return None, "Mitsuba has no gonioreflectometer"
+    try:
+        bsdf = mitsuba_peer.nearest(preset)
+        return Other(stack.enter_context(Peer()), bsdf), ""
+    except (ValueError, PeerError) as error:
+        return None, str(error)
+
+
+def _seeds(samples: int) -> int:
+    return SEEDS if samples < MANY else FEWER_SEEDS
+
+
+def _render(shown: Stage, samples: int, seed: int) -> tuple[NDArray[np.float64], float, float]:
+    """The picture, and the seconds that its render took, by the wall and by the processor; files are not in them."""
+    shown.scene.cycles.samples, shown.scene.cycles.seed = samples, seed
+    clocks: list[tuple[float, float]] = []
+
+    def note(*_: Any) -> None:
+        clocks.append((time.perf_counter(), time.process_time()))
+
+    around = (bpy.app.handlers.render_pre, bpy.app.handlers.render_post)
+    for handlers in around:
+        handlers.append(note)
+    try:
+        picture = gonio.rendered(shown.scene)
+    finally:
+        for handlers in around:
+            handlers.remove(note)
+    (wall, cpu), (wall_end, cpu_end) = clocks
+    return picture.astype(np.float64), wall_end - wall, cpu_end - cpu
+
+
+def _scored(
+    rival: Contender, found: list[Taken], counts: tuple[int, ...], truths: NDArray[np.float64], shown: Stage
+) -> dict[str, Any]:
+    """What a contender errs by, and the time that it takes, at each sample count."""
+    exact, reference = truths[:, shown.seen], truths.mean(axis=0)
+    errors = [statistics.error(np.stack(taken.pictures)[:, shown.seen], exact) for taken in found]
+    return {
+        "estimator": rival.estimator, "backend": rival.backend, "peer": rival.peer, "differs": rival.differs,
+        "seeds": [len(taken.pictures) for taken in found],
+        "rmse": [one.rmse for one in errors],
+        "bias2": [one.bias2 for one in errors], "bias2_error": [one.bias2_error for one in errors],
+        "noise": [one.noise for one in errors],
+        "resolved": statistics.resolved([one.noise for one in errors], counts),
+        "flip": [float(np.mean([flip(reference, one, shown.seen) for one in taken.pictures])) for taken in found],
+        "wall": [float(np.median(taken.wall)) for taken in found],
+        "cpu": [float(np.median(taken.cpu)) for taken in found],
+        "cpu_spread": [float(np.std(taken.cpu, ddof=1) / np.mean(taken.cpu)) for taken in found],
+    }  # fmt: skip
+
+
+def _said(name: str, preset: Preset) -> str:
+    if name == "furnace":
+        return "the reference's directional albedo at each pixel's direction"
+    if truth.has(preset, name):
+        return f"the reference's integral over lights and directions, {TRUTHS} times by other random numbers"
+    return f"{TRUTHS} independent pictures by mirror"
+
+
+def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other | None) -> dict[str, Any]:
+    """Larger pictures to look at, as linear EXRs in the report's folder: the truth, and each contender in SVM."""
+    target = folder / "pictures" / bpy.app.version_string.split()[0]
+    target.mkdir(parents=True, exist_ok=True)
+    with stage(name, PICTURE_SIZE) as shown:
+        drawn = {"reference": _true(shown, name, preset, FIRST_TRUTH, fewer=LOOKED_AT)}
+        for rival in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.peers(preset)):
+            shown.item.active_material = rival.make(shown.scene)
+            drawn[rival.label] = _render(shown, PICTURE_SAMPLES, 1)[0]
+        if truth.has(preset, name):  # which ends with the judged pixels; around them there is what has the least noise
+            drawn["reference"] = np.where(shown.seen[..., None], drawn["reference"], drawn[CLOSURE])
+    if other is not None:
+        one = other.peer.render(name, other.bsdf, PICTURE_SAMPLES, 1, PICTURE_SIZE)
+        drawn[other.contender.label] = one.picture
+    files = {}
+    for label, picture in drawn.items():
+        path = target / f"{name}-{subject}-{label.split(',')[0].replace(' ', '_').lower()}.exr"
+        with replacing(path) as temporary:
+            images.write(temporary, picture.astype(np.float32), {})
+        files[label] = path.relative_to(folder).as_posix()
+    return {"samples": PICTURE_SAMPLES, "files": files}

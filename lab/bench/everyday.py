@@ -1,0 +1,338 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The default material in everyday scenes, beside the nearest material of Cycles' own nodes, wired by hand.
+
+A cell is one scene:
+
+    {"scene": "sun", "title": "sun",
+     "subjects": [{"subject": "copper", "estimator": "fit", "mean": [1.003, ...], "doubt": [0.002, ...],
+                   "band": [0.95, 1.05], "apart": 0.01, "bar": 0.05, "black": 0, "bright": 0, "time": 1.12,
+                   "said": []}]}
+
+mean: over the pixels that show the material, our mean over the native material's, by channel; doubt: its standard
+error. band: where the mean should be: within 5 %, or as far off as the models themselves are. apart: by what share of
+the native one's light the two pictures differ pixel by pixel, less what noise makes of it; bar: 5 %, or what the models
+themselves differ by. black, bright: how many pixels are so where the native material's are not. time: ours over the
+native material's, the median of rounds that take turns; null where it is not measured. said: warnings that are not
+right in this scene.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from dataclasses import asdict, dataclass
+from functools import cache, partial
+from math import sqrt
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from mathutils import Color
+
+from ... import headless
+from ...addon.blender import gonio, material, slots
+from ...addon.library import presets
+from ...addon.reference.estimators import rendered as brdf
+from ...addon.reference.fresnel import F82_COSINE, schlick
+from ...addon.reference.oren_nayar_fit import closure_roughness
+from ...headless import assignment
+from ...nodegroups import versions
+from . import contenders, everyday_scenes  # noqa: F401 - fills SCENES
+from .everyday_stage import SAMPLES, SCENES, SIZE, prepare, shaded
+from .record import Cell
+from .scenes import new_material
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from bpy.types import Material, NodeSocket, Scene, ShaderNodeTree
+    from numpy.typing import NDArray
+
+    from ...addon.library.presets import Preset
+    from .everyday_stage import Shot
+
+    Floats = NDArray[np.float64]
+
+SEEDS = (0, 1)
+QUICK = ("start", "area", "even_sky")
+CLOSE = 0.05  # by which a mean may be off where the models do not differ by more
+BACK = 120.0  # degrees from the view, up to which lights stand in these scenes
+FAINT = 0.25  # of the native picture's mean: differences of less are not seen
+FACTOR = 2.0  # a pixel is black below its darkest native neighbour over this, bright above the brightest times this
+CHANCE = 6.0  # standard errors; the noise of 3 x 3 pixels by two seeds is known to 24 %, which leaves 4.5 at least
+MEAN_NOISE = 0.8  # of |x| of a normal variable, in its standard deviations; where tails are heavier it is less
+BEACON = 2e4  # radiance that tells in which pixels the material is seen
+TIMING_SIZE, TIMING_SAMPLES, ROUNDS = 48, 128, 5
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Pictures by seed (S, H, W, 3), ours and the native ones, and where they show the material (H, W)."""
+
+    ours: Floats
+    natives: Floats
+    where: NDArray[np.bool_]
+    estimator: str
+    said: list[str]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What our picture is beside the native one, as a cell has it."""
+
+    mean: tuple[float, ...]
+    doubt: tuple[float, ...]
+    apart: float
+    black: int
+    bright: int
+
+
+def cells(*, quick: bool) -> list[Cell]:
+    return [Cell(f"everyday/{name}", partial(measure, name)) for name in (QUICK if quick else SCENES)]
+
+
+def measure(name: str, _folder: Path | None = None) -> dict[str, Any]:
+    """One scene with all of its subjects; with none where this Blender cannot make it."""
+    one, found = SCENES[name], []
+    for subject in one.subjects if versions.since(*one.since) else ():
+        with headless.quiet():
+            seen = look(name, subject)
+            slower = time_over_native(name, subject) if one.timed else None
+        found.append(
+            {"subject": subject, "estimator": seen.estimator}
+            | asdict(judge(seen.ours, seen.natives, seen.where))
+            | {"band": band(subject), "bar": bar(subject), "time": slower, "said": seen.said}
+        )
+    return {"scene": name, "title": one.title, "subjects": found}
+
+
+def preset_of(subject: str) -> Preset:
+    return presets.find("metals/gold") if subject == "conductor" else contenders.subjects()[subject]
+
+
+# --- renders --------------------------------------------------------------------------------------------------------
+
+
+def look(name: str, subject: str, size: int = SIZE, samples: int = SAMPLES) -> Seen:
+    """Both materials in a scene. Empties the session."""
+    preset = preset_of(subject)
+    shown, shot = prepare(SCENES[name], size, samples)
+    ours, said = default(shown, preset, shot)
+    pictures = _pictures(shown, shot)
+    _give(shown, native(preset), shot)
+    natives = _pictures(shown, shot)
+    where = np.ones(natives.shape[1:3], np.bool_) if shot.everywhere else _where(shown, shot)
+    wrong = [text for text in said if not any(words in text for words in SCENES[name].says)]
+    return Seen(pictures, natives, where, material.origin_of(ours).estimator, wrong)
+
+
+def default(shown: Scene, preset: Preset, shot: Shot) -> tuple[Material, list[str]]:
+    """What Automatic gives the scene's objects, and the warnings that come with it."""
+    said = assignment.assign(shown, [(name, preset) for name in shot.names], "nodes", "auto", 0.005)
+    made = shown.objects[shot.names[0]].active_material
+    shot.finish(made)
+    return made, said
+
+
+def _give(shown: Scene, made: Material, shot: Shot) -> None:
+    slots.apply(made, [shown.objects[name] for name in shot.names])
+    shot.finish(made)
+
+
+def _pictures(shown: Scene, shot: Shot) -> Floats:
+    """EEVEE draws nothing from a seed, and a render without a window takes seconds: one stands for all."""
+    found: list[NDArray[np.float32]] = []
+    for seed in SEEDS:
+        if found and shown.render.engine != "CYCLES":
+            found.append(found[0])
+            continue
+        shown.cycles.seed = seed
+        found.append(shot.render(shown))
+    return np.stack(found).astype(np.float64)
+
+
+def _where(shown: Scene, shot: Shot) -> NDArray[np.bool_]:
+    """The pixels in which the material is seen, also through glass and in mirrors: where it would shine in Cycles."""
+    shown.render.engine = "CYCLES"
+    shown.view_layers[0].material_override = None
+    shown.cycles.sample_clamp_direct = shown.cycles.sample_clamp_indirect = 0.0
+    shown.cycles.use_denoising = False
+    beacon = shaded("Emission", Strength=BEACON)
+    slots.apply(beacon, [shown.objects[name] for name in shot.names])
+    return np.mean(gonio.rendered(shown), axis=-1) > BEACON / 2.0
+
+
+def time_over_native(
+    name: str, subject: str, size: int = TIMING_SIZE, samples: int = TIMING_SAMPLES, rounds: int = ROUNDS
+) -> float:
+    """Processor time of the default over the native material's. The first round warms up."""
+    preset = preset_of(subject)
+    shown, shot = prepare(SCENES[name], size, samples)
+    shown.cycles.use_adaptive_sampling = False
+    ours, _ = default(shown, preset, shot)
+    other = native(preset)
+    shot.finish(other)
+
+    def seconds(made: Material) -> float:
+        slots.apply(made, [shown.objects[one] for one in shot.names])
+        began = time.process_time()
+        shot.render(shown)
+        return time.process_time() - began
+
+    return statistics.median([seconds(ours) / seconds(other) for _ in range(rounds + 1)][1:])
+
+
+# --- the native material --------------------------------------------------------------------------------------------
+
+
+def native(preset: Preset) -> Material:
+    """What an artist would wire without us: Metallic, Diffuse and Glass BSDFs with the preset's numbers."""
+    made = new_material(f"Native {preset.name}")
+    tree = made.node_tree
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(_shader(tree, preset), output.inputs["Surface"])
+    return made
+
+
+def _shader(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
+    of: dict[str, Any] = preset.parameters
+    if preset.model == "oren_nayar":
+        return _bsdf(tree, "Diffuse", Color=colour(of["albedo"]), Roughness=float(closure_roughness(of["sigma"])))
+    if preset.model == "glass":
+        numbers = {"IOR": of["eta"], "Roughness": sqrt(of["m"])}
+        return _bsdf(tree, "Glass", {"distribution": "BECKMANN"}, Color=colour(of["tint"]), **numbers)
+    if preset.model == "cook_torrance":
+        return _metallic(tree, preset)
+    parts = list(preset.parts().values())
+    weights = [of["d"], of["s"]] if preset.model == "sum" else [1.0, *(of[f"s_{k}"] for k in range(1, len(parts)))]
+    total, *others = (_share(tree, _shader(tree, part), w) for part, w in zip(parts, weights, strict=True))
+    for other in others:
+        node = tree.nodes.new("ShaderNodeAddShader")
+        tree.links.new(total, node.inputs[0])
+        tree.links.new(other, node.inputs[1])
+        total = node.outputs[0]
+    return total
+
+
+def _metallic(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
+    """F82, exact head-on and at 82 degrees, of any kind of Fresnel term; a dielectric's own where Cycles has it."""
+    if preset.kind == "dielectric" and versions.EXACT_CONDUCTOR:
+        eta: Any = preset.parameters["eta"]
+        numbers = {"IOR": (eta,) * 3, "Extinction": (0.0,) * 3, "Roughness": sqrt(preset.m)}
+        return _bsdf(
+            tree, "Metallic", {"distribution": "BECKMANN", "fresnel_type": "PHYSICAL_CONDUCTOR"}, **numbers
+        )  # fmt: skip
+    reflectance = preset.reference_fresnel()
+    head_on, edge = (np.asarray(colour(reflectance(cos).tolist())[:3]) for cos in (1.0, F82_COSINE))
+    tint = np.clip(edge / schlick(F82_COSINE, np.clip(head_on, 0.0, 1.0)), 0.0, 1.0)
+    return _bsdf(
+        tree, "Metallic", {"distribution": "BECKMANN", "fresnel_type": "F82"}, Roughness=sqrt(preset.m),
+        **{"Base Color": (*head_on, 1.0), "Edge Tint": (*tint, 1.0)},
+    )  # fmt: skip
+
+
+def _bsdf(
+    tree: ShaderNodeTree, kind: str, properties: dict[str, str] | None = None, /, **inputs: Any
+) -> NodeSocket:  # fmt: skip
+    node = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+    for name, value in (properties or {}).items():
+        setattr(node, name, value)
+    for name, value in inputs.items():
+        node.inputs[name].default_value = value
+    return node.outputs[0]
+
+
+def _share(tree: ShaderNodeTree, shader: NodeSocket, weight: float) -> NodeSocket:
+    """That much of a shader, and for the rest none."""
+    node = tree.nodes.new("ShaderNodeMixShader")
+    node.inputs[0].default_value = weight
+    tree.links.new(shader, node.inputs[2])
+    return node.outputs[0]
+
+
+def colour(linear: Sequence[float]) -> tuple[float, ...]:
+    """A colour of linear Rec.709 in the file's working space, with an alpha of 1."""
+    return (*Color(tuple(linear)[:3]).from_rec709_linear_to_scene_linear(), 1.0)
+
+
+# --- judgement ------------------------------------------------------------------------------------------------------
+
+
+def judge(ours: Floats, natives: Floats, where: NDArray[np.bool_]) -> Verdict:
+    """Our pictures against the native ones; as ``Seen`` has them.
+
+    Noise is that of the difference of two pictures of one seed, which share random numbers. A pixel is black or bright
+    by the mean of its channels and of all seeds, beside the native picture's 3 x 3 pixels around it, as edges may shift
+    a little; and only if it is plainly another than the native picture's pixel.
+    """
+    seeds, pixels = len(ours), np.count_nonzero(where)
+    mean, native_mean = (pictures[:, where].mean(axis=(0, 1)) for pictures in (ours, natives))
+    ratio = mean / native_mean
+    variance = np.var((ours - ratio * natives)[:, where], axis=0, ddof=1).sum(axis=0) / seeds
+    doubt = np.sqrt(variance) / pixels / native_mean
+    difference = (ours - natives).mean(axis=-1)
+    noise = np.sqrt(_around(np.var(difference, axis=0, ddof=1), where).mean(axis=0) / seeds)
+    level, native_level = (pictures.mean(axis=(0, -1)) for pictures in (ours, natives))
+    off, beside = np.abs(level - native_level), _around(native_level, where)
+    apart = (off - MEAN_NOISE * noise)[where].sum() / native_level[where].sum()
+    plain = where & (off > CHANCE * noise) & (off > FAINT * native_level[where].mean())
+    black, bright = plain & (level < beside.min(axis=0) / FACTOR), plain & (level > beside.max(axis=0) * FACTOR)
+    counts = (int(np.count_nonzero(of)) for of in (black, bright))
+    return Verdict(tuple(map(float, ratio)), tuple(map(float, doubt)), float(apart), *counts)
+
+
+def _around(values: Floats, where: NDArray[np.bool_]) -> Floats:
+    """The 3 x 3 pixels around each (9, H, W); what does not show the material stands back for the pixel itself."""
+    height, width = values.shape
+    padded, there = np.pad(values, 1), np.pad(where, 1)
+    shifts = [(slice(y, y + height), slice(x, x + width)) for y in range(3) for x in range(3)]
+    return np.stack([np.where(there[shift], padded[shift], values) for shift in shifts])
+
+
+@cache
+def band(subject: str) -> tuple[float, float]:
+    """Where our mean over the native material's should be.
+
+    R is what a ball, lit from one direction, sends to a far camera by ``fit`` over what it sends by ``closure``, by the
+    reference. Any distant light is a sum of such, so that the ratio of means lies between the least and the greatest R
+    of the directions that light comes from.
+    """
+    ratios = [fit.sum(axis=(0, 1)) / closure.sum(axis=(0, 1)) for fit, closure in _balls(subject)]
+    return min([1.0 - CLOSE, *np.ravel(ratios)]), max([1.0 + CLOSE, *np.ravel(ratios)])
+
+
+@cache
+def bar(subject: str) -> float:
+    """What ``apart`` should not exceed: of the same balls; of a sum of lights it is at most that of one of them."""
+    grey = [(fit.mean(axis=-1), closure.mean(axis=-1)) for fit, closure in _balls(subject)]
+    return max([CLOSE, *(np.abs(fit - closure).sum() / closure.sum() for fit, closure in grey)])
+
+
+def _balls(subject: str) -> Iterator[tuple[Floats, Floats]]:
+    """``of_ball`` from every side that light comes from; none of glass, which Automatic gives as Cycles has it."""
+    preset = preset_of(subject)
+    if preset.model != "glass":
+        yield from (of_ball(preset.reference(), angle) for angle in np.arange(0.0, BACK + 1.0, 10.0))
+
+
+def of_ball(model: Any, angle: float, size: int = SIZE) -> tuple[Floats, Floats]:
+    """Pictures (H, W, 3) of a ball by ``fit`` and by ``closure``, lit from ``angle`` degrees beside the view."""
+    step = np.radians(angle)
+    place = (np.arange(size) + 0.5) / size * 2.0 - 1.0
+    x, y = (axis.ravel() for axis in np.meshgrid(place, place))
+    z = np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0))
+    normal = np.stack([x, y, z], axis=-1)
+    across = np.hypot(x, y)
+    lit = normal @ [np.sin(step), 0.0, np.cos(step)]
+    along = (np.cos(step) - lit * z) / np.maximum(across, 1e-9)  # of the light, toward the viewer's side
+    beside = np.sqrt(np.maximum(1.0 - lit**2 - along**2, 0.0))
+    shown = (z > 0.02) & (lit > 1e-3)
+    wo = np.stack([across, 0.0 * z, z], axis=-1)[shown]
+    wi = np.stack([along, beside, lit], axis=-1)[shown]
+    wo, wi = (w / np.linalg.norm(w, axis=-1, keepdims=True) for w in (wo, wi))
+    pictures = []
+    for estimator in ("fit", "closure"):
+        picture = np.zeros((size * size, 3))
+        picture[shown] = brdf(model, estimator)(wi, wo) * lit[shown, None]
+        pictures.append(picture.reshape(size, size, 3))
+    return pictures[0], pictures[1]

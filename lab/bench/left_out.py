@@ -1,0 +1,354 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was left out: each material as it is built against one universal material, and each thing that it does without.
+
+A cell is one preset. In each scene it holds, of the material as built and of the universal one, nodes, compiled OSL
+instructions, processor time and what pictures of the same seed differ by; then, one by one, what the builder left out,
+put back and weighted with 0 by data: how many nodes that is, how the picture differs, and what it costs.
+
+    {"preset": "lecture/copper", "seed": 0,
+     "setups": [{"scene": "lamps", "backend": "nodes", "estimator": "fit",  # what Automatic picks, or mirror
+                 "nodes": {"built": 1877, "universal": 11992}, "instructions": {"built": 0, "universal": 0},
+                 "first": {"built": 0.2, "universal": 3.1, "ratio": 15.5, "rounds": [...]},
+                 "render": {"built": 0.6, "universal": 1.1, "ratio": 1.8, "rounds": [...]},
+                 "difference": 2e-6, "off": 1e-9, "z": 0.4, "same": true,
+                 "left_out": [{"what": "time", "why": "...", "nodes": 93, "difference": 0.0, "z": 0.0,
+                               "same": true, "time": 1.02}, ...]}, ...],
+     "memory": {"scene": "lamps", "backend": "nodes", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
+
+"first" is a render of one sample, which synchronises and compiles; "render" one of ``SAMPLES`` by a Cycles that has
+compiled before. Both are processor seconds, medians of rounds that take turns; "ratio" is the median of the rounds'
+own. "time" of one thing put back is of one round, both with compiling, over the material as built; a
+thing that was not put back, to save time, has "what" and "why" alone. "over" is how far
+memory rose above what the process held before it made the material. SVM's count of instructions is only in Cycles' log,
+which the Python module cannot switch on: plain nodes have no figure but their number.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from functools import partial
+from math import radians
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .record import Cell
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from bpy.types import Material, Object, Scene
+    from numpy.typing import NDArray
+
+    from ...addon.blender.material import Choice
+    from ...addon.choose.explain import Account, Line
+    from ...addon.library.presets import Preset
+
+CASES = {
+    "schlick": "lecture/copper",
+    "conductor": "metals/copper",
+    "oren_nayar": "diffuse/clay",
+    "plastic": "plastics/abs_plastic",
+    "glass": "glasses/frosted_glass",
+    "car_paint": "car_paints/blue",
+    "over_time": "time_varying/rusting_iron",
+}
+QUICK, QUICK_LINES = ("schlick", "plastic"), 3
+SCENES = ("environment", "softbox", "lamps")
+OSL_SCENE, OSL_CASES = "softbox", ("schlick", "plastic", "glass", "car_paint")  # the rest take long and differ little
+BY_MIRROR, MIRROR_SCENE = ("schlick", "glass"), "environment"  # which Automatic does not pick in these scenes
+SIZE, ROUNDS, SEED = 40, 3, 0
+SAMPLES = {"nodes": 64, "osl": 32}
+LENGTH, FRAME = 240.0, 97  # of a course that is played, and where in it the picture is taken
+# Pictures of the same seed are made of the same random numbers. Weights go through some 100 more operations of 6e-8
+# each, 6e-6 in all, and near a threshold a share of that of about 4 choices a sample falls otherwise: of a pixel's N
+# samples 4 * 6e-6 N, each of which changes it by no more than one sample, BRIGHT means of the picture, over N. The root
+# mean square over the pixels is then BRIGHT sqrt(4 * 6e-6 / N): 6e-3 for 64 samples. They fall either way: the mean of
+# P pixels is off by no more than MOST_Z of that over the root of P, 7e-4 for 64 samples, and by what weights are.
+WEIGHTS = 6e-6
+FLIPS, BRIGHT = 4 * WEIGHTS, 10.0
+MOST_Z = 4.4  # two-sided, 1 % with a Sidak correction for three channels of some 200 pictures, on two Blenders
+PUT_BACK = {  # what ``explain`` calls it -> what ``universal`` puts back
+    "Fresnel terms": "specular",
+    "time": "time",
+    "course over time": "time",
+    "diffuse part": "diffuse",
+    "absorption": "absorption",
+    "transmission": "transmission",
+    "random numbers": "random",
+    "facets and random numbers": "random",
+    "lamp terms": "lamps",
+    "closure beside it": "eevee",
+}
+
+
+def cells(*, quick: bool) -> list[Cell]:
+    """One a preset."""
+    names = QUICK if quick else CASES
+    return [Cell(f"left_out/{name}", partial(measure, CASES[name], quick=quick)) for name in names]
+
+
+def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) -> dict[str, Any]:
+    """The cell of a preset."""
+    from ...addon.library import presets
+
+    preset, backend = presets.find(identity), _backend()
+    rounds = 1 if quick else ROUNDS
+    found = [
+        setup(preset, name, backend, rounds, most=QUICK_LINES if quick else None)
+        for name in (("lamps",) if quick else SCENES)
+    ]
+    if not quick and backend == "nodes" and identity in {CASES[name] for name in OSL_CASES}:
+        found.append(setup(preset, OSL_SCENE, "osl", rounds))
+    if not quick and identity in {CASES[name] for name in BY_MIRROR}:
+        found.append(setup(preset, MIRROR_SCENE, backend, rounds, estimator="mirror", most=0))
+    memory: dict[str, Any] = {"scene": "lamps", "backend": backend}
+    memory |= {which: _memory(identity, which) for which in ("built", "universal")}
+    return {"preset": identity, "seed": SEED, "setups": found, "memory": memory}
+
+
+def _backend() -> str:
+    """What is measured in all scenes."""
+    from . import universal
+
+    return "nodes" if universal.fits() else "osl"
+
+
+def stage(name: str, size: int = SIZE) -> Scene:
+    """A ball under one of ``SCENES``: an environment map, an area lamp alone, or a sky and two lamps of no size.
+
+    The ball is at the origin, unturned: else Cycles rounds its points anew in materials that it cannot apply transforms
+    for, such as with subsurface scattering, and the hash of a position would give other random numbers.
+    """
+    import bpy
+
+    from ...headless import scene
+
+    shown = scene.preview("studio")
+    for old in ("Floor", "Sun"):
+        bpy.data.objects.remove(shown.objects[old])
+    shown.objects["Ball"].location = (0.0, 0.0, 0.0)
+    shown.render.resolution_x = shown.render.resolution_y = size
+    shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
+    shown.view_settings.view_transform = "Raw"
+    shown.camera.location, shown.camera.rotation_euler = (0.0, -6.0, 0.0), (radians(90.0), 0.0, 0.0)
+    shown.world.cycles.sampling_method, shown.world.cycles.sample_map_resolution = "MANUAL", 256  # else 2 s a render
+    if name == "softbox":
+        shown.world = None
+        _lamp(shown, "AREA", energy=60.0, size=1.0)
+    elif name == "lamps":
+        _lamp(shown, "SUN", energy=1.6, angle=0.0)
+        _lamp(shown, "POINT", energy=200.0, shadow_soft_size=0.0)
+    shown.frame_set(FRAME)
+    shown.view_layers[0].update()
+    return shown
+
+
+def _lamp(shown: Scene, kind: str, **settings: float) -> None:
+    import bpy
+
+    light = bpy.data.lights.new("Lamp", kind)
+    for name, value in settings.items():
+        setattr(light, name, value)
+    item = bpy.data.objects.new("Lamp", light)
+    side = 1.0 if kind != "POINT" else -1.0
+    item.location, item.rotation_euler = (1.3 * side, -1.6, 1.6), (radians(45.0), 0.0, radians(39.0 * side))
+    shown.collection.objects.link(item)
+
+
+def setup(
+    preset: Preset, name: str, backend: str, rounds: int, *, estimator: str = "auto", most: int | None = None
+) -> dict[str, Any]:
+    """One scene and backend: both materials, and what was left out of the one, of which ``most`` are put back."""
+    from ... import headless
+    from ...addon.blender.course import Play
+    from ...addon.blender.material import build
+    from ...addon.choose import explain
+    from . import universal
+
+    with headless.quiet():
+        shown = stage(name)
+        shown.cycles.shading_system = backend == "osl"
+        account = explain.explain(preset, shown, backend, estimator)
+        play = Play("age", 1.0, LENGTH) if preset.time else None
+        choice = replace(account.choice, play=play)
+        data = universal.data_of(preset, (FRAME - 1.0) / LENGTH, play)
+        pair = {"built": (build(preset, choice), data), "universal": (universal.build(choice), data)}
+        first, full, pictures = _turns(shown, pair, rounds, backend)
+        anew = _draws_anew(preset, choice)
+        found = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], anew=anew)
+        lines = _lines(shown, preset, account, most=0 if name == OSL_SCENE else most)
+        sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
+    return {
+        "scene": name, "backend": backend, "estimator": account.estimator,
+        "nodes": {which: size.nodes for which, size in sizes.items()},
+        "instructions": {which: size.instructions for which, size in sizes.items()},
+        "first": _medians(first), "render": _medians(full), **found, "left_out": list(lines),
+    }  # fmt: skip
+
+
+def _turns(
+    shown: Scene, pair: Mapping[str, tuple[Material, dict[str, Any]]], rounds: int, backend: str
+) -> tuple[list[dict[str, float]], list[dict[str, float]], dict[str, NDArray[np.float64]]]:  # fmt: skip
+    """Processor seconds of first renders and of further ones, round by round, and the pictures.
+
+    Each material has a scene of its own, whose Cycles keeps what it compiled. OSL compiles but once: it takes long.
+    """
+    scenes = {which: _twin(shown) for which in pair}
+    first = [{which: _render(scenes[which], *of, 1)[1] for which, of in pair.items()}]
+    more = rounds - 1 if backend == "nodes" else 0
+    first += [{which: _render(shown, *of, 1)[1] for which, of in pair.items()} for _ in range(more)]
+    full, pictures = [], {}
+    for _ in range(rounds):
+        seconds = {}
+        for which, of in pair.items():
+            pictures[which], seconds[which] = _render(scenes[which], *of, SAMPLES[backend])
+        full.append(seconds)
+    return first, full, pictures
+
+
+def _twin(shown: Scene) -> Scene:
+    """A copy of a scene with a ball of its own."""
+    twin, ball = shown.copy(), _ball(shown)
+    other = ball.copy()
+    other.data = ball.data.copy()
+    twin.collection.objects.unlink(ball)
+    twin.collection.objects.link(other)
+    twin.render.use_persistent_data = True
+    return twin
+
+
+def _ball(shown: Scene) -> Object:
+    return next(item for item in shown.objects if item.type == "MESH")
+
+
+def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None = None) -> list[dict[str, Any]]:
+    """Each thing that was left out, ``most`` of them put back."""
+    from ...addon.blender.course import Play
+    from ...addon.blender.material import build
+    from ...addon.choose import explain
+    from . import universal
+
+    listed = list(_listed(account))
+    most = len(listed) if most is None else most
+    named: list[dict[str, Any]] = [{"what": line.what, "why": line.why} for line, _ in listed]
+    if not most:
+        return named
+    built, samples = build(preset, account.choice), SAMPLES[account.choice.backend]
+    anew = _draws_anew(preset, account.choice)
+    start = universal.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
+    nothing = universal.data_of(None)
+    plain, seconds = _render(shown, built, nothing, samples)
+    for index, (_, part) in enumerate(listed[:most]):
+        if part == "time":
+            other, data = universal.with_time(built), start
+        elif part == "eevee":
+            other, data = universal.without_eevee(built), nothing
+        else:
+            other, data = universal.with_part(built, account.choice, part), nothing
+        picture, more = _render(shown, other, data, samples)
+        nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
+        named[index] |= {"nodes": nodes, "time": more / seconds} | _compared(plain, picture, samples, anew=anew)
+    return named
+
+
+def _listed(account: Account) -> Iterator[tuple[Line, str]]:
+    """What was left out and can be put back, and as what."""
+    for line in account.lines:
+        part = PUT_BACK.get(line.what.partition(":")[0].partition(" (")[0])
+        if part is not None and (part == "eevee" or not line.kept):
+            yield line, part
+
+
+def _render(
+    shown: Scene, made: Material, data: Mapping[str, Any], samples: int
+) -> tuple[NDArray[np.float64], float]:  # fmt: skip
+    """The picture, and the processor seconds that it took."""
+    from ...addon.blender import gonio
+    from . import universal
+
+    ball = _ball(shown)
+    if ball.active_material != made:
+        ball.active_material = made
+        universal.dress(ball, data)
+        shown.view_layers[0].update()
+    shown.cycles.samples, shown.cycles.seed = samples, SEED
+    start = time.process_time()
+    picture = gonio.rendered(shown).astype(np.float64)
+    return picture, time.process_time() - start
+
+
+def _compared(
+    a: NDArray[np.float64], b: NDArray[np.float64], samples: int, *, anew: bool = False
+) -> dict[str, Any]:  # fmt: skip
+    """Root mean square of what two pictures differ by, as a share of the first one's, and whether that means nothing.
+
+    "off": the largest difference of the mean of a channel, as a share of the same. anew: the pictures are of random
+    numbers of their own, and "z" says by how many standard errors the means differ.
+    """
+    d, scale, pixels = a - b, float(np.sqrt(np.mean(a**2))), a.shape[0] * a.shape[1]
+    difference = float(np.sqrt(np.mean(d**2))) / scale
+    means = np.abs(np.mean(d, axis=(0, 1)))
+    off = float(np.max(means)) / scale
+    z = float(np.max(means / np.maximum(np.std(d, axis=(0, 1)) / pixels**0.5, 1e-30)))
+    most = BRIGHT * (FLIPS / samples) ** 0.5
+    same = z < MOST_Z if anew else difference < most and off < MOST_Z * most / pixels**0.5 + WEIGHTS
+    return {"difference": difference, "off": off, "z": z, "same": bool(same)}
+
+
+def _draws_anew(preset: Preset, choice: Choice) -> bool:
+    """Whether a ray that met the material once draws a facet where it meets it again.
+
+    It does so at another place, by the last digit, and the hash of that has nothing to do with the other's.
+    """
+    from ...addon.blender.material import RANDOM
+
+    return preset.transparent and preset.m > 0.0 and choice.estimator in RANDOM
+
+
+def _medians(rounds: list[dict[str, float]]) -> dict[str, Any]:
+    ratios = [one["universal"] / max(one["built"], 1e-3) for one in rounds]
+    medians = {which: statistics.median(one[which] for one in rounds) for which in rounds[0]}
+    return {**medians, "ratio": statistics.median(ratios), "rounds": ratios}
+
+
+# Memory, in a process of its own
+
+
+def _memory(identity: str, which: str) -> dict[str, int]:
+    command = [sys.executable, "-P", "-m", __name__, identity, which]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def _child(identity: str, which: str) -> Iterator[dict[str, int]]:
+    from ... import headless
+
+    headless.prepare()
+    from ...addon.blender.material import build
+    from ...addon.choose import explain
+    from ...addon.library import presets
+    from ...headless import memory
+    from . import universal
+
+    preset = presets.find(identity)
+    with headless.quiet():
+        shown = stage("lamps")
+        shown.cycles.shading_system = _backend() == "osl"
+        choice: Choice = explain.chosen(preset, shown, _backend())[0]
+        before = memory.held()
+        memory.reset_peak()
+        made = build(preset, choice) if which == "built" else universal.build(choice)
+        _render(shown, made, universal.data_of(preset), 1)
+    yield {"peak": memory.peak(), "over": memory.peak() - before}
+
+
+if __name__ == "__main__":
+    for answer in _child(*sys.argv[1:]):
+        print(json.dumps(answer))

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Automatic picks in each scene of ``accuracy``, at each of its sample counts. Renders nothing.
+
+{"scene": "sun", "subject": "copper", "samples": [4, 16, ...], "estimators": ["closure", "closure", ...],
+     "refused": {"direct": "binds lights and shows nothing else", ...}}
+
+refused: what Automatic never picks for this subject, and why.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from ... import headless
+from ...addon.blender import facts
+from ...addon.blender.material import BUILDERS, NATIVE
+from ...addon.choose import automatic
+from . import contenders
+from .record import Cell
+from .scenes import stage
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+REFUSED = {
+    "corrected": "binds lights",
+    "direct": "binds lights and shows nothing else",
+    "hybrid": "draws random facets",
+    "mirror": "draws random facets",
+}
+SIZE = 8  # pixels, which decide nothing
+
+
+def cells(*, quick: bool) -> list[Cell]:
+    return [
+        Cell(f"picks/{name}/{of}", partial(measure, name=name, subject=of, quick=quick))
+        for name, of in contenders.pairs(quick=quick)
+    ]
+
+
+def measure(_folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, Any]:
+    """One scene and subject."""
+    counts, preset, found = contenders.counts(quick=quick), contenders.subjects()[subject], []
+    with headless.quiet(), stage(name, SIZE) as shown:
+        known = facts.of(shown.scene)
+        for samples in counts:
+            shown.scene.cycles.samples = samples
+            found.append(automatic.pick_estimator(known, preset))
+    refused = {name: REFUSED[name] for name in BUILDERS[preset.model] if name not in {*NATIVE, *found}}
+    return {
+        "scene": name, "subject": subject, "samples": list(counts), "estimators": found, "refused": refused,
+    }  # fmt: skip

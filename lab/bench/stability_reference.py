@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the reference says of extreme parameters, and of courses that are all but steps."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ... import headless
+from ...addon.blender import course as animation
+from ...addon.blender import gonio
+from ...addon.blender.course import Play
+from ...addon.library.presets import parse
+from ...addon.reference import (
+    Conductor,
+    CookTorrance,
+    Dielectric,
+    Glass,
+    OrenNayar,
+    Schlick,
+    albedo,
+    rendered,
+    spherical,
+)
+from ..check import rows as check
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...addon.reference import Model
+    from ..check.rows import Setup
+    from .stability import Seen
+
+THETAS = (0.0, 1e-9, 1e-3, 30.0, 60.0, 89.0, 89.9, 89.9999, 90.0 - 1e-6)
+PHIS = (0.0, 0.1, 90.0, 180.0 - 1e-6, 180.0)
+FRAMES = 240.0
+MOMENTS = (0.0, 0.25, 0.6, 0.8, 1.0)  # of a course: none within the step of ``logistic``, at 0.5
+# f with wi and wo swapped. At the angle of total reflection F goes as a root: 1 - F is 2 (1 + 1 / eta^2) / c times the
+# root of 2 c 2^-52, 2e-7 of the eta of 0.5 that meets it here exactly. Rounding otherwise is 2^-52 a step.
+RECIPROCAL = 2.0**-20
+
+
+def values(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
+    """f of a model for all pairs of ``THETAS`` and ``PHIS``; reciprocal."""
+    from .stability import Seen
+
+    wi, wo = _directions()[:, None], _directions()[None]
+    model = of(value)
+    f, back = model.evaluate(wi, wo), model.evaluate(wo, wi)
+    scale = np.maximum(np.maximum(np.abs(f), np.abs(back)), 1e-30)
+    apart = np.max(np.abs(f - back) / scale, axis=-1)
+    # Vectors by sines and cosines are unit to 3 * 2^-52, by which v.h and l.h part: over their |wi + wo| / 2 that is
+    # 2 (3 + 3) 2^-52 / |wi + wo|^2, and G takes v.h as it is.
+    bound = RECIPROCAL + 12.0 * 2.0**-52 / np.sum((wi + wo) ** 2, axis=-1)
+    return Seen(f, more={"reciprocity": float(np.max(apart)), "holds": bool(np.all(apart <= bound))})
+
+
+def shares(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
+    """The directional albedo of a model at each of ``THETAS``."""
+    from .stability import Seen
+
+    return Seen(albedo(of(value), spherical(np.radians(THETAS), 0.0)))
+
+
+def _directions() -> Any:
+    theta, phi = np.meshgrid(np.radians(THETAS), np.radians(PHIS))
+    return spherical(theta.ravel(), phi.ravel())
+
+
+def rough(m: float) -> Model:
+    return CookTorrance(m, Schlick(1.0))
+
+
+def dielectric(eta: float) -> Model:
+    return CookTorrance(0.3, Dielectric(eta))
+
+
+def conductor(k: float) -> Model:
+    return CookTorrance(0.3, Conductor(0.2, k))
+
+
+def diffuse(kind: str, sigma: float) -> Model:
+    return OrenNayar(0.95, sigma, qualitative=kind == "qualitative")
+
+
+def glass(eta: float) -> Model:
+    return Glass(0.3, eta)
+
+
+_M = (1e-6, 1e-4, 0.01, 0.3, 1.0, 10.0)
+_ETA = (0.1, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 1.5, 10.0)
+_K = (0.0, 1e-9, 1.0, 20.0)
+_SIGMA = (0.0, 1e-6, 0.3, 1.0, np.pi / 2)
+# what, values, look, most
+ROWS: tuple[tuple[Any, ...], ...] = (
+    ("m, f", _M, partial(values, rough), None),
+    ("m, albedo", _M, partial(shares, rough), 1.0),
+    ("eta, f", _ETA, partial(values, dielectric), None),
+    ("eta, albedo", _ETA, partial(shares, dielectric), 1.0),
+    ("k, f", _K, partial(values, conductor), None),
+    ("k, albedo", _K, partial(shares, conductor), 1.0),
+    ("sigma, full, f", _SIGMA, partial(values, partial(diffuse, "full")), None),
+    ("sigma, full, albedo", _SIGMA, partial(shares, partial(diffuse, "full")), 1.0),
+    ("sigma, qualitative, albedo", _SIGMA, partial(shares, partial(diffuse, "qualitative")), 1.0),
+    ("eta, glass, albedo", _ETA, partial(shares, glass), 1.0),
+)
+
+
+def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
+    """``direct`` at moments of a course that falls at ``rate``, against the keys that Blender plays."""
+    middle = "middle = 0.5\n" if law == "logistic" else ""
+    text = (
+        'name = "Step"\nmodel = "cook_torrance"\nm = 1.0\n[fresnel]\nf0 = 1.0\n[source]\ndata = "check"\n'
+        f'[time]\nunit = "s"\nrange = [0.0, 1.0]\nkind = "authored"\n[time.m]\nlaw = "{law}"\nend = 0.05\n'
+        f"rate = {rate!r}\n{middle}"
+    )
+    preset = parse(text, "check/step", "check")
+    play = Play(driving, 1.0, FRAMES)
+    keys = animation.keyframes(preset.trajectory(), play)
+    frames = (1.0 + FRAMES * np.array(MOMENTS)).tolist()
+    geometry = gonio.Geometry(45.0, 0.0, (32, 32))
+    with headless.quiet():
+        images = gonio.measure_course(
+            preset, setup.backend, "direct", geometry, play, frames, shading_osl=setup.shading_osl
+        )
+    off = 0.0
+    for image, frame in zip(images, frames, strict=True):
+        m = float(keys["m"].law()(np.array((frame - 1.0) / FRAMES)))
+        expected = rendered(CookTorrance(m, Schlick(1.0)), "direct")(geometry.wi(), geometry.wo())
+        off = max(off, float(np.max(np.abs(image - expected)) / np.max(expected)))
+    nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES
+    crowded = driving == "curves" and nearest < animation.CLOSEST
+    limit = f"F-curves have no two keys within {animation.CLOSEST:g} frames: a step takes that long" if crowded else ""
+    more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= check.direct_bar(0.05)}
+    return {"image": images.astype(np.float64), "limit": limit, "more": more}

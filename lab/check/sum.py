@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rows of ``vgroove check`` for sums, plain and coupled, in every estimator: each the weighted sum of its parts."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...addon.blender import gonio
+from ...addon.library.presets import Preset, parse
+from ...addon.reference import CookTorrance, OrenNayar, Sum, albedo, rendered
+from ...addon.reference.estimators import quick_diffuse_share
+from ...addon.reference.hybrid import DEFAULT_BOUND
+from ...addon.reference.quadrature import diffuse_albedo
+from . import rows as check
+from .hybrid import excess
+from .oren_nayar import SUN_ANGLE, SUN_THETAS
+from .rows import SETUPS, Row, Setup
+from .seeds import furnace_directions, furnace_view, sun_view
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+ESTIMATORS = ("direct", "closure", "fit", "corrected", "hybrid")
+KINDS = ("sum", "coupled")
+SLOPES = (0.3, 0.6)
+GREY = "f0 = 0.0816"  # Schlick's F of that base for noisy rows: it is exact in native closures of 4.5 too
+SUN_SAMPLES = {"mirror": 8192, "hybrid": 2048, "corrected": 512}
+SUN_SEEDS = 8  # as the largest of shaders take longer to compile than to run
+MIRRORED = 0.05  # of hybrid, at least
+NOISY_ROWS = 14  # of the plan, judged by Z-tests; a test holds it to the plan
+
+
+def preset(kind: str, m: float, fresnel: str = "eta = 1.8") -> Preset:
+    """A rough base under a rough dielectric."""
+    weights = "d = 0.95\ns = 1.0\ncoupled = true" if kind == "coupled" else "d = 0.6\ns = 0.4"
+    text = f"""name = "Test"
+model = "sum"
+{weights}
+albedo = [0.8, 0.5, 0.2]
+sigma = 0.6
+m = {m}
+[fresnel]
+{fresnel}
+[source]
+data = "check"
+"""
+    return parse(text, f"check/{kind}", "check")
+
+
+def exact_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
+    """Under a sun of zero size, with the bar of the specular part."""
+    bar = check.direct_bar(m) if estimator == "direct" else check.closure_bar(m)
+    lobe = None
+    approximate = check.fresnel_approximation(setup, "dielectric") if estimator != "direct" else 0.0
+    if approximate:
+        lobe, bar = check.materials()["white"].with_parameters(m=m).reference(), approximate
+    return check.exact_row(estimator, setup, kind, m, preset(kind, m), bar, windows=(0.0,), lobe=lobe)
+
+
+def furnace_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
+    """``mirror`` and ``hybrid`` under a uniform white world: the weighted sum of what the parts send back."""
+    of = preset(kind, m, GREY)
+    coarse, fine = (_sent_back(kind, m, estimator, nodes) for nodes in (72, 100))
+    # Two grids apart by as much say how well the reference is known.
+    view = furnace_view(of, setup, estimator, fine, doubt=fine - coarse)
+    return Row(f"{estimator}, furnace", setup, kind, m, [view], noisy_rows=NOISY_ROWS)
+
+
+@cache
+def _sent_back(kind: str, m: float, estimator: str, nodes: int) -> NDArray[np.float64]:
+    of, wo = preset(kind, m, GREY), furnace_directions()
+    model = of.reference()
+    assert isinstance(model, Sum)
+    diffuse, specular = model.diffuse, model.specular
+    assert isinstance(diffuse, OrenNayar)
+    assert isinstance(specular, CookTorrance)
+    under = diffuse_albedo(wo, rendered(diffuse, estimator, DEFAULT_BOUND), nodes)
+    over = albedo(specular, wo)
+    if estimator == "hybrid":
+        over = over + np.stack([excess(view, of.m, specular.fresnel, DEFAULT_BOUND, nodes) for view in wo])
+    return quick_diffuse_share(model, wo) * under + model.s * over
+
+
+def sun_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
+    """Noisy estimators under a sun of 60 degrees."""
+    row = Row(f"{estimator}, sun", setup, kind, m, noisy_rows=NOISY_ROWS)
+    for theta_i in SUN_THETAS:
+        geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
+        row.views.append(
+            sun_view(preset(kind, m, GREY), setup, estimator, geometry, SUN_SAMPLES[estimator], MIRRORED, SUN_SEEDS)
+        )
+    return row
+
+
+def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
+    """Every row, as the function that measures it and its arguments."""
+    rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
+    for setup in SETUPS:
+        few = setup is SETUPS[1]  # the same nodes as in SVM, and slow to compile
+        for kind in KINDS:
+            slopes = (0.3,) if few else SLOPES
+            rows += [(exact_row, (estimator, setup, kind, m)) for estimator in ESTIMATORS for m in slopes]
+        if few:
+            continue
+        for estimator in ("mirror", "hybrid"):
+            rows += [(furnace_row, (estimator, setup, kind, 0.3)) for kind in KINDS]
+        for estimator in ("mirror", "hybrid", "corrected"):
+            rows.append((sun_row, (estimator, setup, "coupled", 0.3)))
+    return check.side_by_side(rows)

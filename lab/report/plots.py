@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The figures of a report, each as PNG and as SVG, which are the same to the byte for the same numbers."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from PIL import Image
+
+from ...addon.library.files import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from .findings import Case, Contest, Curve, Run
+
+DPI = 110
+SHADES = 64  # of a PNG
+STYLE = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "grid.linewidth": 0.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.hashsalt": "vgroove",  # else the names within differ from run to run
+    "svg.fonttype": "none",
+}
+# Okabe and Ito's colours, which the colour-blind tell apart; peers are grey.
+COLOURS = {
+    "corrected": "#009e73",
+    "fit": "#0072b2",
+    "closure": "#d55e00",
+    "hybrid": "#cc79a7",
+    "mirror": "#e69f00",
+    "direct": "#56b4e9",
+}
+PEERS = {
+    "Metallic BSDF": ("#333333", (4, 1.5)),
+    "Diffuse BSDF": ("#333333", (4, 1.5)),
+    "Glass BSDF": ("#333333", (4, 1.5)),
+    "Glossy BSDF": ("#666666", (1.5, 1.5)),
+    "Principled BSDF": ("#888888", (6, 1.5, 1.5, 1.5)),
+    "": ("#000000", (8, 3)),  # another renderer's
+}
+SLANTED: dict[str, Any] = {"c": "#888888", "lw": 0.4, "alpha": 0.5}  # lines of slope -1/2
+FLOOR: dict[str, Any] = {"lw": 4, "alpha": 0.6, "solid_capstyle": "butt"}
+CROSS: dict[str, Any] = {"marker": "x", "ms": 4, "ls": ""}
+PASSED, LIMITED, FAILED = "#009e73", "#a6dccb", "#d55e00"
+PANEL = (2.7, 2.1)  # inches
+IN_A_ROW = 40  # cases
+
+
+class Drawn(NamedTuple):
+    """A figure's name without an ending, and the text in its place for who cannot see it."""
+
+    name: str
+    text: str
+
+
+def draw(run: Run, folder: Path) -> dict[str, Drawn]:
+    """Draw what a run has numbers for: "error", "noise", "stability", "left_out"."""
+    wanted: dict[str, tuple[bool, Callable[[Run], Figure], str]] = {
+        "error": (bool(run.contests), error, "Error against processor time, a panel for each scene and subject"),
+        "noise": (bool(run.contests), noise, "Noise and bias against samples, a panel for each scene and subject"),
+        "stability": (bool(run.cases), stability, "Extreme cases by group: passed, passed within a limit, failed"),
+        "left_out": (bool(run.left_out), left_out, "Render time of the universal material over each as it is built"),
+    }
+    drawn = {}
+    with mpl.rc_context(STYLE):
+        for kind, (there, made, text) in wanted.items():
+            if there:
+                drawn[kind] = Drawn(f"{kind}-{run.blender}", text)
+                _save(made(run), folder / drawn[kind].name)
+    return drawn
+
+
+def _save(figure: Figure, stem: Path) -> None:
+    buffer = BytesIO()
+    figure.savefig(buffer, dpi=DPI, format="png")
+    with replacing(stem.with_name(f"{stem.name}.png")) as temporary:  # of few colours it is a third as large
+        drawn = Image.open(buffer).convert("RGB")
+        # Median cut, which is the default, would mix thin lines of like colours.
+        drawn = drawn.quantize(SHADES, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+        drawn.save(temporary, optimize=True)
+    figure.set_layout_engine("none")  # it is laid out now, and takes long to be laid out again
+    with replacing(stem.with_name(f"{stem.name}.svg")) as temporary:
+        figure.savefig(temporary, metadata={"Date": None})
+
+
+def error(run: Run) -> Figure:
+    """Error against processor time; where a bias can be told from 0, its floor at the right."""
+    figure, panels = _panels(run, "processor seconds of a render", "error, share of the picture's")
+    for contest, ax in panels:
+        for curve, look in _looks(contest):
+            ax.plot(curve.cpu, curve.rmse, **look)
+            _unknown(ax, curve, curve.cpu, curve.rmse, look["color"])
+            if curve.told:
+                style = {"c": look["color"], "zorder": 3 if curve.competes else 2}
+                ax.plot([0.93, 1.0], [curve.floor] * 2, **FLOOR, **style, transform=ax.get_yaxis_transform())
+    floor = Line2D([], [], label="bias left", c="#666666", **FLOOR)
+    _finish(figure, panels, [curve.cpu for _, curve in run.curves], [curve.rmse for _, curve in run.curves], (floor,))
+    return figure
+
+
+def noise(run: Run) -> Figure:
+    """Noise, and bias where it can be told from 0."""
+    figure, panels = _panels(run, "samples a pixel", "noise (lines) and bias (squares)")
+    for contest, ax in panels:
+        for curve, look in _looks(contest):
+            ax.plot(curve.samples, curve.noise, **(look | {"marker": ""}))
+            _unknown(ax, curve, curve.samples, curve.noise, look["color"])
+            if curve.competes:
+                bias = np.sqrt(curve.bias2[curve.told_at])
+                ax.plot(curve.samples[curve.told_at], bias, "s", ms=2.5, c=look["color"])
+    heights = [curve.noise for _, curve in run.curves] + [curve.rmse for _, curve in run.curves]
+    _finish(figure, panels, [curve.samples for _, curve in run.curves], heights)
+    return figure
+
+
+def _unknown(ax: Axes, curve: Curve, x: NDArray[np.float64], y: NDArray[np.float64], colour: str) -> None:
+    """A cross at each sample count whose noise is more than it seems."""
+    if not curve.resolved.all():
+        ax.plot(x[~curve.resolved], y[~curve.resolved], **(CROSS | {"color": colour}))
+
+
+def _panels(run: Run, x_label: str, y_label: str) -> tuple[Figure, list[tuple[Contest, Axes]]]:
+    """A panel for each scene, all with the same axes. A subject's are in one row, which short ones share."""
+    subjects: dict[str, list[Contest]] = {}
+    for contest in run.contests:
+        subjects.setdefault(contest.subject, []).append(contest)
+    columns = max(*(len(row) for row in subjects.values()), min(3, len(run.contests)))
+    rows: list[list[Contest]] = []
+    for row in subjects.values():
+        if rows and len(rows[-1]) + len(row) <= columns:
+            rows[-1] += row
+        else:
+            rows.append(list(row))
+    figure = Figure(figsize=(max(columns, 3) * PANEL[0], len(rows) * PANEL[1] + 0.6), layout="constrained")
+    grid = figure.subplots(len(rows), columns, squeeze=False)
+    panels = []
+    for line, row in zip(grid, rows, strict=True):
+        for contest, ax in zip(row, line, strict=False):
+            ax.set_title(contest.title)
+            panels.append((contest, ax))
+        for ax in line[len(row) :]:
+            ax.remove()
+    figure.supxlabel(x_label, fontsize=8)
+    figure.supylabel(y_label, fontsize=8)
+    return figure, panels
+
+
+def _finish(
+    figure: Figure,
+    panels: list[tuple[Contest, Axes]],
+    across: list[NDArray[np.float64]],
+    up: list[NDArray[np.float64]],
+    more: tuple[Line2D, ...] = (),
+) -> None:
+    """The same logarithmic axes for all panels, lines of slope -1/2 to hold curves against, and one legend."""
+    left, right = float(np.min(np.concatenate(across))), float(np.max(np.concatenate(across)))
+    heights = np.concatenate(up)
+    low, high = float(np.min(heights[heights > 0.0])), float(np.max(heights))
+    low, high = max(low, 1e-5) / 1.5, min(high, 10.0) * 1.5
+    x = np.array([left / 1.3, right * 1.3])
+    for _, ax in panels:
+        ax.set(xscale="log", yscale="log", xlim=x, ylim=(low, high))
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0,) if right > 100.0 * left else (1.0, 2.0, 5.0)))
+        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_minor_locator(NullLocator())  # most of a figure's time goes to ticks
+        first, last = (np.floor(np.log10(low * np.sqrt(x[0]))), np.ceil(np.log10(high * np.sqrt(x[1]))))
+        for power in np.arange(first, last + 0.5, 0.5):
+            ax.plot(x, 10.0**power / np.sqrt(x), **SLANTED, zorder=0)
+    handles = [*_legend([contest for contest, _ in panels]), *more]
+    figure.legend(handles=handles, loc="outside upper center", ncols=6, frameon=False)
+
+
+def _looks(contest: Contest) -> Iterator[tuple[Curve, dict[str, Any]]]:
+    """Ours by colour, solid with dots; OSL thin and dotted; peers grey and dashed, each with a dash of its own."""
+    for curve in contest.curves.values():
+        yield curve, _look(curve)
+
+
+def _look(curve: Curve) -> dict[str, Any]:
+    if curve.peer:
+        grey, dash = PEERS.get(curve.name, PEERS[""])
+        return {"color": grey, "lw": 0.9, "dashes": dash, "marker": ".", "ms": 2}
+    colour = COLOURS.get(curve.estimator, "#000000")
+    if curve.backend == "osl":
+        return {"color": colour, "lw": 0.8, "ls": ":", "marker": "", "alpha": 0.9}
+    return {"color": colour, "lw": 1.2, "ls": "-", "marker": ".", "ms": 4}
+
+
+def _legend(contests: list[Contest]) -> list[Line2D]:
+    """Each colour and dash that is seen once, ours first."""
+    seen: dict[str, dict[str, Any]] = {}
+    curves = [curve for contest in contests for curve in contest.curves.values()]
+    for curve in sorted(curves, key=lambda curve: (bool(curve.peer), curve.backend == "osl")):
+        name = curve.name if curve.peer else curve.estimator
+        if curve.backend == "osl":
+            seen.setdefault("any, as OSL", _look(curve) | {"color": "#000000"})
+        else:
+            seen.setdefault(name, _look(curve))
+    if not all(curve.resolved.all() for curve in curves):
+        seen["not resolved"] = CROSS | {"color": "#000000"}
+    handles = [Line2D([], [], label=name, **look) for name, look in seen.items()]
+    return [*handles, Line2D([], [], label="slope −1/2", **(SLANTED | {"lw": 0.8, "alpha": 1.0}))]
+
+
+def stability(run: Run) -> Figure:
+    """Rows for each group, a square for each case."""
+    groups: dict[str, list[Case]] = {}
+    for case in run.cases:
+        groups.setdefault(case.group, []).append(case)
+    rows: list[tuple[str, list[Case]]] = []
+    for group, cases in groups.items():
+        starts = range(0, len(cases), IN_A_ROW)
+        rows += [("" if start else group, cases[start : start + IN_A_ROW]) for start in starts]
+    most = max(24, *(len(cases) for _, cases in rows))
+    figure = Figure(figsize=(2.2 + 0.2 * most, 0.7 + 0.24 * len(rows)), layout="constrained")
+    ax = figure.subplots()
+    for row, (_, cases) in enumerate(rows):
+        for column, case in enumerate(cases):
+            colour = FAILED if not case.passed else LIMITED if case.limit else PASSED
+            ax.add_patch(Rectangle((column + 0.06, row + 0.06), 0.88, 0.88, color=colour, lw=0))
+            if not case.passed:
+                ax.plot([column + 0.5], [row + 0.5], "x", c="white", ms=4)
+    ax.set(
+        xlim=(0, most), ylim=(len(rows), 0), xticks=[],
+        yticks=np.arange(len(rows)) + 0.5, yticklabels=[group for group, _ in rows],
+    )  # fmt: skip
+    ax.set_aspect("equal", anchor="W")
+    ax.grid(visible=False)
+    ax.spines[:].set_visible(False)
+    ax.tick_params(length=0)
+    handles = [
+        Patch(color=PASSED, label="passed"),
+        Patch(color=LIMITED, label="passed; the limit is stated"),
+        Patch(color=FAILED, label="failed"),
+    ]
+    figure.legend(handles=handles, loc="outside upper left", ncols=3, frameon=False)
+    return figure
+
+
+def left_out(run: Run) -> Figure:
+    """Time of the universal material over each as it is built, the least saving on top."""
+    cases = sorted(run.left_out, key=lambda case: case.time, reverse=True)
+    figure = Figure(figsize=(6.5, 0.9 + 0.22 * len(cases)), layout="constrained")
+    ax = figure.subplots()
+    y = np.arange(len(cases))
+    for colour, backend in ((COLOURS["fit"], "nodes"), (COLOURS["mirror"], "osl")):
+        here = [index for index, case in enumerate(cases) if case.backend == backend]
+        if here:
+            ax.hlines(y[here], *zip(*(cases[index].spread for index in here), strict=True), color=colour, lw=1.5)
+            ax.plot([cases[index].time for index in here], y[here], "o", c=colour, ms=5, label=backend)
+    ax.axvline(1.0, c="#666666", lw=1)
+    ax.axvline(float(np.median([case.time for case in cases])), c="#666666", lw=1, ls="--", label="median")
+    ax.set(
+        yticks=y,
+        yticklabels=[f"{case.case}, {case.scene}, {case.estimator}" for case in cases],
+        xlabel="render time of the universal material / as built",
+    )
+    ax.set(xlim=(min(0.9, *(case.spread[0] for case in cases)), None), ylim=(-0.6, len(cases) - 0.4))
+    ax.grid(visible=False, axis="y")
+    figure.legend(loc="outside upper center", ncols=3, frameon=False)
+    return figure

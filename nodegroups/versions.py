@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What differs between the Blenders that vgroove runs on, here alone, each with the version that it came with.
+
+What asks for 5.0 goes with 4.5 LTS.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ..addon.reference import cycles
+
+if TYPE_CHECKING:
+    from bpy.types import Light, Material, NodeTree, Scene, World
+
+TESTED = ((4, 5), (5, 2), (5, 3))
+
+
+def version() -> tuple[int, int]:
+    """This Blender's, major and minor."""
+    return bpy.app.version[:2]
+
+
+def since(*earliest: int) -> bool:
+    """Whether this Blender is of that version or a later one."""
+    return version() >= earliest
+
+
+def is_untested() -> bool:
+    """Whether this Blender is newer than any that vgroove was tested with."""
+    return version() > TESTED[-1]
+
+
+def untested() -> str:
+    """That it is, in one line; empty where it is not."""
+    if not is_untested():
+        return ""
+    newest = ".".join(map(str, TESTED[-1]))
+    return f"vgroove was tested up to Blender {newest}, and not with {bpy.app.version_string}: look twice, or update it"
+
+
+# Cycles
+
+# Earlier Physical Conductors approximate: up to 0.8 % of the peak, half of it at k = 0.
+EXACT_CONDUCTOR = since(5, 2)
+# OSL's dielectric_bsdf and refraction turn the IOR over on back faces; before, whoever calls them has to.
+OSL_TURNS_IOR = since(5, 3)
+# Lobes whose normal leans from the surface's sent back up to this share more than their formula, times m.
+LEANING = 0.0 if since(5, 0) else 2.1e-3
+# Oren-Nayar of several bounces by another power of the colour.
+cycles.mean(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
+
+
+def osl_header() -> str:
+    """What our shaders have to know of the Cycles that runs them."""
+    return f"#define CYCLES_TURNS_IOR {int(OSL_TURNS_IOR)}\n"
+
+
+# Blender
+
+
+def nodes_of(owner: Material | World | Light) -> NodeTree:
+    """The node tree of a material, world or light, which uses it from now on. 5.0 always does, and warns if asked."""
+    if not since(5, 0):
+        owner.use_nodes = True
+    return owner.node_tree
+
+
+def used_nodes(owner: Material | World | Light) -> NodeTree | None:
+    """The node tree that a material, world or light renders with; None where it has none, or does not use it."""
+    return owner.node_tree if owner.node_tree is not None and (since(5, 0) or owner.use_nodes) else None
+
+
+def has_compositor(scene: Scene) -> bool:
+    """Whether a scene has compositor nodes that are switched on: several groups from 5.3 on, one before."""
+    if since(5, 3):
+        return any(effect.enable_for_render and effect.node_group for effect in scene.compositor_effects)
+    if since(5, 0):
+        return scene.compositing_node_group is not None
+    return bool(scene.use_nodes and scene.node_tree)

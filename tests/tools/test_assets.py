@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The asset library: every preset in its catalog, appended as it was built."""
+
+import subprocess
+import sys
+import uuid
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vgroove.addon.blender.material import KEY, Choice, build, origin_of, plays
+from vgroove.addon.choose import automatic
+from vgroove.addon.library.presets import shipped
+from vgroove.nodegroups import fit_table, versions
+
+pytestmark = pytest.mark.blender
+
+TOOL = Path(__file__).parents[2] / "tools" / "assets.py"
+FAMILIES = sorted({preset.family for preset in shipped().values()})
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    """The .blend, written by the command."""
+    folder = tmp_path_factory.mktemp("assets")
+    subprocess.run([sys.executable, str(TOOL), str(folder)], check=True)
+    return next(folder.glob("*/vgroove.blend"))
+
+
+def appended(blender, library):
+    """All materials, by the id of the preset that each was built from."""
+    with blender.data.libraries.load(str(library), link=False, assets_only=True) as (there, here):
+        here.materials = there.materials
+    return {origin_of(material).preset.id: material for material in here.materials}
+
+
+def test_every_preset_is_an_asset_that_says_what_it_is(blender, library):
+    """Catalog, tags, author, licence, description, all users kept; in 5.2 appended, as packed ones cannot be edited."""
+    found = appended(blender, library)
+    assert set(found) == set(shipped())
+    assert len({material.name for material in found.values()}) == len(found)
+    for identity, material in found.items():
+        preset, data = shipped()[identity], material.asset_data
+        assert set(preset.tags) <= set(data.tags.keys())
+        assert data.author
+        assert data.license == "GPL-3.0-or-later"
+        assert preset.source["data"][:100] in data.description
+        if versions.since(5, 0):
+            assert data.use_preferred_import_method
+            assert data.preferred_import_method == "APPEND"
+
+
+def test_catalogs_are_the_families_and_keep_their_ids(blender, library):
+    """Ids are pinned: a catalog with another id would leave materials that people have sorted."""
+    lines = library.with_name("blender_assets.cats.txt").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "VERSION 1"
+    entries = {path: uuid.UUID(identity) for identity, path, _ in (line.split(":") for line in lines if ":" in line)}
+    assert len(entries) == 1 + len(FAMILIES)
+    assert entries["V-Groove"] == uuid.UUID("5b1c3a0e-6f0d-4d53-9b3e-0d3b8f3a7c11")
+    assert entries["V-Groove/Metals"] == uuid.UUID("a5fc2f08-a3a4-5c52-a5b2-8bb2ea57ab0b")
+    assert entries["V-Groove/Finished metals"] == uuid.UUID("db7bb55d-0e6f-5d34-a87a-d221678ee9c6")
+    for identity, material in appended(blender, library).items():
+        family = identity.split("/")[0].replace("_", " ").capitalize()
+        assert uuid.UUID(material.asset_data.catalog_id) == entries[f"V-Groove/{family}"]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_appended_materials_render_as_those_built_directly(balls, blender, library, family):
+    """To the last digit: the same nodes with the same numbers, in an empty file."""
+    members = [preset for preset in shipped().values() if preset.family == family]
+
+    def built(_stage):
+        return [build(p, Choice("nodes", automatic.pick_estimator(None, p))) for p in members]
+
+    direct = balls(built, lit="above")
+    blender.ops.wm.read_factory_settings(use_empty=True)
+    found = appended(blender, library)
+    again = balls(lambda _: [found[preset.id] for preset in members], lit="above")
+    np.testing.assert_array_equal(again, direct)
+    assert direct.std(axis=1).min() > 0.0
+
+
+def test_assets_that_change_bring_their_course(blender, library):
+    """F-curves that move the inputs; those that stand still bring no action."""
+    found = appended(blender, library)
+    assert len(blender.data.actions) == sum(preset.time is not None for preset in shipped().values())
+    for identity, one in found.items():
+        assert plays(one) == (shipped()[identity].time is not None), identity
+
+
+def test_assets_bring_no_more_than_they_need(blender, library):
+    """One material appended brings its groups and their table, and building the same preset gives that one."""
+    preset = shipped()["metals/gold"]
+    with blender.data.libraries.load(str(library), link=False) as (_, here):
+        here.materials = [preset.name]
+    (material,) = here.materials
+    assert material[KEY]
+    assert len(blender.data.materials) == 1
+    assert not blender.data.objects
+    assert [image.name for image in blender.data.images] == [fit_table.NAME]
+    assert build(preset, Choice("nodes", "fit")) is material

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of presets: the same each time, small, and each of its own material."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from vgroove.addon.library.presets import shipped
+
+pytestmark = pytest.mark.blender
+
+TOOL = Path(__file__).parents[2] / "tools" / "previews.py"
+NAMES = ("metals/gold", "glasses/soda_lime_glass_green_tint")
+SHIPPED = 8e6  # bytes that all pictures may take together
+
+
+def pictures(folder):
+    subprocess.run([sys.executable, str(TOOL), "--folder", str(folder), *NAMES], check=True, capture_output=True)
+    return [(folder / f"{name}.webp").read_bytes() for name in NAMES]
+
+
+@pytest.mark.once
+def test_pictures_are_the_same_each_time_and_show_their_material(tmp_path):
+    """Byte for byte; gold is yellow, green glass green where the floor shines through it."""
+    first, again = pictures(tmp_path / "a"), pictures(tmp_path / "b")
+    assert first == again
+    gold, glass = (np.asarray(Image.open(tmp_path / "a" / f"{name}.webp"), float) for name in NAMES)
+    assert gold.shape == glass.shape == (256, 256, 3)
+    middle = slice(70, 110), slice(105, 150)
+    assert np.all(np.diff(gold[middle].mean(axis=(0, 1))) < -20.0)
+    assert glass[middle].mean(axis=(0, 1)).argmax() == 1
+    assert max(map(len, first)) <= SHIPPED / len(shipped())
+    assert not list(tmp_path.rglob(".*"))  # nothing half written is left
