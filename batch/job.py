@@ -17,10 +17,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..addon.library import presets
-from ..addon.library.checks import RGB, PresetError, as_typed, base_name, check_key
+from ..addon.library.checks import PresetError, as_typed, check_key
 from ..addon.library.files import FileError, check_regular, one_root, read_text
 from ..addon.library.inputs import MOST_SAMPLES, MOST_SEED, InputError, frame_range, shown, size, toml
 from ..addon.library.inputs import name as name_in_blend
+from ..addon.models import PARAMETERS, base_name, estimators, parameter
 from ..addon.reference.hybrid import BOUNDS, DEFAULT_BOUND
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ T = TypeVar("T")
 PREVIEW = "preview"  # the scene that comes with vgroove; its ball takes the preset
 PREVIEW_SAMPLES, PREVIEW_SIZE = 128, (640, 480)  # of it where none are given; a .blend has its own
 BACKENDS = ("nodes", "osl")
-ESTIMATORS = ("auto", "fit", "closure", "corrected", "hybrid", "mirror", "direct")
+ESTIMATORS = ("auto", *estimators.ALL)
 OUTPUTS = ("exr", "png")
 MOST_TASKS = 1_000_000
 ERRORS = 1e-4, 1.0  # that can be asked for; a hundredth of one takes ten thousand times as long
@@ -343,12 +344,16 @@ class _Grid:
             raise JobError(message) from error
 
 
+def _is_rgb(name: str) -> bool:
+    return base_name(name) in PARAMETERS and parameter(name).is_rgb
+
+
 def _axis(where: str, name: str, value: Any) -> list[Any]:
     """Values of a parameter. Of a colour a list of numbers is one value, and several are a list of lists."""
     if value == []:
         message = f"{where}: set.{name} is an empty list; give a value or leave it out"
         raise JobError(message)
-    several = isinstance(value, list) and (base_name(name) not in RGB or any(isinstance(one, list) for one in value))
+    several = isinstance(value, list) and (not _is_rgb(name) or any(isinstance(one, list) for one in value))
     return value if several else [value]
 
 

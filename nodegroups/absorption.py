@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..addon.models.glass import ABSORPTION
 from ._tree import maximum, output, vector
+from .parameters import add_input
 
 if TYPE_CHECKING:
     from ._tree import Tree
@@ -18,8 +20,7 @@ REVISION = 2
 
 
 def build(tree: Tree) -> None:
-    tip = "Of red, green and blue light, in 1/m: after d metres exp(-a d) of it is left"
-    a = tree.input_color("Absorption", (0.0, 0.0, 0.0), tip=tip, high=1e5, held=True)
+    a = add_input(tree, ABSORPTION)
     with tree.frame("a = (1 - Color) Density"):
         r, g, b = a.xyz
         density = maximum(maximum(maximum(r, g), b), 1e-6)

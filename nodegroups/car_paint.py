@@ -7,18 +7,21 @@ Source: Günther, Chen, Goesele, Wald & Seidel 2005; ``CarPaint`` of the referen
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..addon.models.car_paint import MODEL, SHARE
+from .parameters import add_input
 from .shading_normal import typical_smoothing
 
 if TYPE_CHECKING:
     import bpy
 
+    from ..addon.models import Form
     from ._tree import Tree
 
 NAME = "VGroove Car Paint"
 REVISION = 5
-OWN = {"F0", "F82 Tint", "Slope m"}  # inputs that each lobe has for itself
+OWN = {one.label for one in MODEL.lobes if one != SHARE}  # inputs that each lobe has for itself
 
 
 def build(
@@ -32,10 +35,7 @@ def build(
     for k in range(1, lobes + 1):
         prefix = f"Lobe {k} "
         with tree.panel(f"Lobe {k}"):
-            tip = (
-                "Share of this lobe; with the brightest of Base Color all at most 1, or more light leaves than arrives"
-            )
-            s = tree.input_float(f"{prefix}Specular", 0.1, low=0.0, high=1.0, subtype="FACTOR", tip=tip, held=True)
+            s = add_input(tree, SHARE, prefix=prefix)
             tree.inputs_of(lobe, prefix, OWN)
         with tree.frame(f"Lobe {k}"):
             shaders.append(tree.weighted(nested(tree, lobe, prefix).outputs[0], s))
@@ -48,3 +48,12 @@ def nested(tree: Tree, group: bpy.types.ShaderNodeTree, prefix: str) -> bpy.type
     for socket in node.inputs:
         tree.connect(tree.given((prefix if socket.name in OWN else "") + socket.name), socket)
     return node
+
+
+def variant(
+    form: Form, estimator: str, parts: dict[str, bpy.types.ShaderNodeTree]
+) -> tuple[str, dict[str, Any]]:  # fmt: skip
+    """What the name of a preset's group says of its form, and what its builder has to know."""
+    base, *lobes = parts.values()  # the lobes' groups are one
+    label = f"{MODEL.kinds[form.kind]} {estimator.title()}, {len(lobes)} lobe{'s' * (len(lobes) > 1)}"
+    return label, {"base": base, "lobe": lobes[0], "lobes": len(lobes), "averaged": estimator == "fit"}

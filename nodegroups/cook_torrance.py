@@ -4,13 +4,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..addon.models.cook_torrance import MODEL, SLOPE
+from ..addon.models.fresnel import KINDS
 from . import fresnel, osl_script, shading_normal
+from .parameters import add_input
 
 if TYPE_CHECKING:
     from bpy.types import Node
 
+    from ..addon.models import Form
     from ._tree import Number, Tree, Value
 
 
@@ -23,19 +27,16 @@ class Inputs:
     normal: Value
 
 
-def interface(tree: Tree, kind: str, *, m_high: float) -> Inputs:
-    """The Fresnel term's own; Slope m; Normal. The same for every estimator and backend."""
-    parameters = fresnel.interface(tree, kind)
-    tip = "RMS slope of the facets; Blender's Roughness is its square root"
-    m = tree.input_float("Slope m", 0.3, low=1e-4, high=m_high, tip=tip, held=True)
-    return Inputs(parameters, m, shading_normal.interface(tree))
+def interface(tree: Tree, kind: str, *, native: bool = False) -> Inputs:
+    """The Fresnel term's own; Slope m, within what Cycles' closures take if ``native``; Normal."""
+    terms = fresnel.interface(tree, kind)
+    return Inputs(terms, add_input(tree, SLOPE, native=native), shading_normal.interface(tree))
 
 
 def given(tree: Tree, kind: str) -> Inputs:
     """The same inputs, where another group's have been taken over; of kinds that a coupled sum takes."""
-    labels = {"schlick": {"f0": "F0"}, "dielectric": {"eta": "IOR"}}[kind]
-    parameters = {name: tree.given(label) for name, label in labels.items()}
-    return Inputs(parameters, tree.given("Slope m"), tree.given("Normal"))
+    terms = {one.name: tree.given(one.label) for one in KINDS[kind].parameters}
+    return Inputs(terms, tree.given(SLOPE.label), tree.given("Normal"))
 
 
 def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:
@@ -43,9 +44,14 @@ def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number
     return osl_script.script(
         tree,
         f"cook_torrance_{estimator}",
-        kind=list(fresnel.KINDS).index(kind),
+        kind=list(KINDS).index(kind),
         m=inputs.m,
         Normal=inputs.normal,
         **inputs.fresnel,
         **more,
     )
+
+
+def variant(form: Form) -> tuple[str, dict[str, Any]]:
+    """What the name of a preset's group says of its form, and what its builder has to know."""
+    return MODEL.kinds[form.kind], {"kind": form.kind}

@@ -18,7 +18,7 @@ REVISION = 2
 
 
 def build(tree: Tree, kind: str) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=1.0)  # Cycles clamps alpha to 1
+    inputs = cook_torrance.interface(tree, kind, native=True)  # Cycles clamps alpha to 1
     native = lobe(tree, kind, inputs.fresnel, sqrt(inputs.m), inputs.normal)
     tree.output_shader("BSDF", native, tip="To the material's Surface")
 
@@ -61,6 +61,6 @@ def _f82_of_dielectric(tree: Tree, eta: Value) -> tuple[Value, Value]:
 
 
 def build_osl(tree: Tree, kind: str) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=1.0)
+    inputs = cook_torrance.interface(tree, kind, native=True)
     node = cook_torrance.script(tree, "closure", kind, inputs)
     tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")

@@ -24,7 +24,7 @@ REVISION = 3
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    inputs = cook_torrance.interface(tree, kind)
     beams = beam_interfaces(tree, lamps)
     N = specular_normal(tree, inputs.normal)
     shaders = [fit.shader(tree, kind, inputs)]
@@ -34,7 +34,7 @@ def build(tree: Tree, kind: str, lamps: int) -> None:
 
 
 def build_osl(tree: Tree, kind: str, lamps: int) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    inputs = cook_torrance.interface(tree, kind)
     beams = beam_interfaces(tree, lamps)
     mixture = fit.for_script(tree, inputs)
     shaders = [cook_torrance.script(tree, "fit", kind, inputs, **mixture).outputs[0]]

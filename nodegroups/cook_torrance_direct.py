@@ -23,13 +23,13 @@ REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    inputs = cook_torrance.interface(tree, kind)
     beams = beam_interfaces(tree, lamps)
     tree.output_shader("Emission", emission(tree, kind, inputs, beams), tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, kind: str, lamps: int) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    inputs = cook_torrance.interface(tree, kind)
     beams = beam_interfaces(tree, lamps)
     tree.output_shader("Emission", emission_osl(tree, kind, inputs, beams), tip="To the material's Surface")
 

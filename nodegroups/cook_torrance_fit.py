@@ -27,12 +27,12 @@ LOOK_UP_NAME = "VGroove Fit Lobes"
 
 
 def build(tree: Tree, kind: str) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=1.0)  # Cycles clamps alpha to 1
+    inputs = cook_torrance.interface(tree, kind, native=True)  # Cycles clamps alpha to 1
     tree.output_shader("BSDF", shader(tree, kind, inputs), tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, kind: str) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=1.0)
+    inputs = cook_torrance.interface(tree, kind, native=True)
     node = cook_torrance.script(tree, "fit", kind, inputs, **for_script(tree, inputs))
     tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")
 

@@ -27,7 +27,7 @@ REVISION = 5
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=1.0)  # Cycles clamps alpha to 1
+    inputs = cook_torrance.interface(tree, kind, native=True)  # Cycles clamps alpha to 1
     bound = bound_input(tree)
     beams = beam_interfaces(tree, lamps)
     N = specular_normal(tree, inputs.normal)
@@ -47,7 +47,7 @@ def build(tree: Tree, kind: str, lamps: int = 0) -> None:
 
 
 def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=1.0)
+    inputs = cook_torrance.interface(tree, kind, native=True)
     bound = bound_input(tree)
     beams = beam_interfaces(tree, lamps)
     more = fit.for_script(tree, inputs) | {"bound": bound}

@@ -30,14 +30,14 @@ REVISION = 4
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
     """With ``lamps``: those of zero size, which no ray can hit, are added by ``direct``; no light counts twice."""
-    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    inputs = cook_torrance.interface(tree, kind)
     beams = beam_interfaces(tree, lamps)
     shaders = [facet(tree, kind, inputs)] + ([direct.emission(tree, kind, inputs, beams)] if beams else [])
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, kind: str, lamps: int = 0) -> None:
-    inputs = cook_torrance.interface(tree, kind, m_high=10.0)
+    inputs = cook_torrance.interface(tree, kind)
     beams = beam_interfaces(tree, lamps)
     shaders = [cook_torrance.script(tree, "mirror", kind, inputs).outputs[0]]
     shaders += [direct.emission_osl(tree, kind, inputs, beams)] if beams else []

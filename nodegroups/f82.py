@@ -4,9 +4,11 @@
 F = S(cos) - b cos (1 - cos)^6, b = S(1/7) (1 - tint) / (1/7 (1 - 1/7)^6). Source: Kutz, Hasan & Edmondson 2021.
 """
 
+from ..addon.models.fresnel import F82_TINT
 from ..addon.reference.fresnel import F82_COSINE
 from . import ensure, schlick
 from ._tree import Tree, Value, clamp, maximum
+from .parameters import add_input
 
 NAME = "VGroove F82"
 REVISION = 2
@@ -14,8 +16,7 @@ REVISION = 2
 
 def interface(tree: Tree) -> dict[str, Value]:
     """The artist's inputs, by the reference's parameter names."""
-    tip = "Multiplies Schlick's formula at 82 degrees, near grazing; white leaves it as it is"
-    return {**schlick.interface(tree), "f82_tint": tree.input_color("F82 Tint", (1.0, 1.0, 1.0), tip=tip, held=True)}
+    return {**schlick.interface(tree), "f82_tint": add_input(tree, F82_TINT)}
 
 
 def build(tree: Tree) -> None:

@@ -4,7 +4,9 @@
 Nodes have no complex numbers: with a the real part of g, A = |g|^2, the square roots are written out.
 """
 
+from ..addon.models.fresnel import K, N
 from ._tree import Tree, Value, clamp, sqrt, vector
+from .parameters import add_input
 
 NAME = "VGroove Fresnel Conductor"
 REVISION = 2
@@ -12,13 +14,7 @@ REVISION = 2
 
 def interface(tree: Tree) -> dict[str, Value]:
     """The artist's inputs, by the reference's parameter names."""
-    return {
-        name: tree.input_vector(name, default, low=0.0, high=20.0, tip=f"{what} for R, G and B", held=True)
-        for name, default, what in (
-            ("n", (0.27, 0.68, 1.32), "Refractive index"),
-            ("k", (3.61, 2.62, 2.29), "Extinction"),
-        )
-    }
+    return {"n": add_input(tree, N), "k": add_input(tree, K)}
 
 
 def build(tree: Tree) -> None:

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Exact Fresnel reflectance of a transparent medium, as ``fresnel_dielectric`` of the reference."""
 
+from ..addon.models.fresnel import ETA
 from ._tree import Tree, Value, clamp, maximum, sqrt
+from .parameters import add_input
 
 NAME = "VGroove Fresnel Dielectric"
 REVISION = 2
@@ -9,8 +11,7 @@ REVISION = 2
 
 def interface(tree: Tree) -> dict[str, Value]:
     """The artist's inputs, by the reference's parameter names."""
-    tip = "Refractive index, inside over outside"
-    return {"eta": tree.input_float("IOR", 1.5, low=0.1, high=10.0, tip=tip, held=True)}
+    return {"eta": add_input(tree, ETA)}
 
 
 def build(tree: Tree) -> None:

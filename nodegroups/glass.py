@@ -8,18 +8,18 @@ Its Refraction and Glass BSDF invert their IOR there themselves; what is compute
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..addon.models.glass import MODEL, TINT
 from . import fresnel, osl_script, shading_normal
 from ._tree import Value, clamp, dot, output, select, vector
+from .parameters import add_input
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
+    from ..addon.models import Form
     from ._tree import Number, Tree
-
-
-TINT_TIP = "Multiplies what passes"
 
 
 @dataclass(frozen=True)
@@ -41,16 +41,14 @@ class RoughInputs(Inputs):
 def smooth_inputs(tree: Tree) -> Inputs:
     """IOR, Tint and Normal. The same for every estimator and backend."""
     eta = fresnel.interface(tree, "dielectric")["eta"]
-    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=TINT_TIP, held=True)
-    return Inputs(eta, tint, shading_normal.interface(tree))
+    return Inputs(eta, add_input(tree, TINT), shading_normal.interface(tree))
 
 
-def rough_inputs(tree: Tree, *, m_high: float, tint_tip: str = TINT_TIP) -> RoughInputs:
+def rough_inputs(tree: Tree, *, native: bool = False, tint_tip: str = "") -> RoughInputs:
     """IOR, Slope m, Tint and Normal. The same for both backends."""
     eta = fresnel.interface(tree, "dielectric")["eta"]
-    tip = "RMS slope of the facets; Blender's Roughness is its square root"
-    m = tree.input_float("Slope m", 0.1, low=1e-4, high=m_high, tip=tip, held=True)
-    tint = tree.input_color("Tint", (1.0, 1.0, 1.0), tip=tint_tip, held=True)
+    m = add_input(tree, MODEL.parameter("m"), native=native)
+    tint = add_input(tree, TINT, tip=tint_tip)
     return RoughInputs(eta, tint, shading_normal.interface(tree), m)
 
 
@@ -98,3 +96,10 @@ def script(tree: Tree, estimator: str, inputs: Inputs, *, thin: bool) -> NodeSoc
         tree, f"glass_{estimator}", eta=inputs.eta, tint=inputs.tint, Normal=inputs.normal, thin=int(thin), **more
     )
     return node.outputs[0]
+
+
+def variant(form: Form) -> tuple[str, dict[str, Any]]:
+    """What the name of a preset's group says of its form, and what its builder has to know."""
+    smooth = form.parameters["m"] == 0.0
+    label = " ".join([*filter(None, [MODEL.kinds[form.kind]]), *["Smooth"] * smooth])
+    return label, {"thin": form.kind == "thin", "smooth": smooth}

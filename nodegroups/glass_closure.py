@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 NAME = "VGroove Glass Closure"
 REVISION = 2
-M_HIGH = 1.0  # Cycles clamps alpha to it
 # Blender's Glass BSDF has one colour for both lobes; only a smooth interface, a sheet and OSL keep them apart.
 TINT_TIP = "Multiplies what passes; on rough glass as nodes also what is reflected"
 
@@ -28,15 +27,15 @@ def build(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
     if smooth:
         shader = glass.smooth_interface(tree, glass.smooth_inputs(tree), thin=thin)
     elif thin:
-        shader = _sheet(tree, glass.rough_inputs(tree, m_high=M_HIGH))
+        shader = _sheet(tree, glass.rough_inputs(tree, native=True))
     else:
-        shader = _glass(tree, glass.rough_inputs(tree, m_high=M_HIGH, tint_tip=TINT_TIP))
+        shader = _glass(tree, glass.rough_inputs(tree, native=True, tint_tip=TINT_TIP))
     tree.output_shader("BSDF", shader, tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
-    tip = glass.TINT_TIP if thin else TINT_TIP
-    inputs = glass.smooth_inputs(tree) if smooth else glass.rough_inputs(tree, m_high=M_HIGH, tint_tip=tip)
+    tip = "" if thin else TINT_TIP
+    inputs = glass.smooth_inputs(tree) if smooth else glass.rough_inputs(tree, native=True, tint_tip=tip)
     tree.output_shader("BSDF", glass.script(tree, "closure", inputs, thin=thin), tip="To the material's Surface")
 
 

@@ -26,12 +26,12 @@ def build(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
     if smooth:
         shader = glass.smooth_interface(tree, glass.smooth_inputs(tree), thin=thin)
     else:
-        shader = facet(tree, glass.rough_inputs(tree, m_high=10.0), thin=thin)
+        shader = facet(tree, glass.rough_inputs(tree), thin=thin)
     tree.output_shader("BSDF", shader, tip="To the material's Surface")
 
 
 def build_osl(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
-    inputs = glass.smooth_inputs(tree) if smooth else glass.rough_inputs(tree, m_high=10.0)
+    inputs = glass.smooth_inputs(tree) if smooth else glass.rough_inputs(tree)
     tree.output_shader("BSDF", glass.script(tree, "mirror", inputs, thin=thin), tip="To the material's Surface")
 
 

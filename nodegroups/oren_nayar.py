@@ -9,20 +9,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..addon.models.oren_nayar import ALBEDO, MODEL, SIGMA
 from . import ensure, osl_script, shading_normal
 from ._tree import Tree, Value, absolute, dot, greater, length, less, maximum, minimum, scale, select
+from .parameters import add_input
 
 if TYPE_CHECKING:
     from bpy.types import Node
 
+    from ..addon.models import Form
     from ._tree import Number
 
 NAME = "VGroove Oren-Nayar"
 REVISION = 2
-KINDS = ("full", "qualitative")
-LABELS = {"full": "Full", "qualitative": "Qualitative"}
+LABELS = MODEL.kinds
+KINDS = tuple(LABELS)
 
 
 @dataclass(frozen=True)
@@ -40,9 +43,7 @@ def interface(tree: Tree) -> Inputs:
 
 
 def _parameters(tree: Tree) -> tuple[Value, Value]:
-    albedo = tree.input_color("Base Color", (0.8, 0.8, 0.8), tip="Albedo of a facet, linear RGB, 0 to 1", held=True)
-    tip = "Standard deviation of the facets' tilt; 0 is Lambert"
-    return albedo, tree.input_float("Sigma", 0.3, low=0.0, high=pi / 2, subtype="ANGLE", tip=tip, held=True)
+    return add_input(tree, ALBEDO), add_input(tree, SIGMA)
 
 
 def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:
@@ -119,3 +120,8 @@ def C1(s2: Value) -> Value:
 def _elevation(cos: Value, sin: Value) -> Value:
     """2/pi of the angle above the horizon, whose half has the tangent cos/(1 + sin)."""
     return 4.0 / pi * cos.tree.math("ARCTANGENT", cos / (1.0 + sin))
+
+
+def variant(form: Form) -> tuple[str, dict[str, Any]]:
+    """What the name of a preset's group says of its form, and what its builder has to know."""
+    return LABELS[form.kind], {"kind": form.kind}

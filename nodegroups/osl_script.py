@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import bpy
 
-from . import cook_torrance_table, oren_nayar_table, random_numbers, versions
+from . import cook_torrance_table, oren_nayar_table, parameters, random_numbers, versions
 from ._tree import Number, Tree, Value
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ TABLES = {
     "cook_torrance_fit_table.h": cook_torrance_table.header,
     "versions.h": versions.osl_header,
 }
+PARAMETERS = parameters.headers()
 
 
 def source(shader: str, tables: Mapping[str, str] | None = None) -> str:
@@ -57,6 +58,8 @@ def _header(name: str, tables: Mapping[str, str]) -> str:
         return tables[name]
     if name in TABLES:
         return TABLES[name]()
+    if name in PARAMETERS:
+        return PARAMETERS[name]
     path = FOLDER / "include" / name
     return _inlined(path.read_text(encoding="utf-8"), tables) if path.exists() else ""
 

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fresnel reflectance after Schlick 1994: F = F0 + (1 - F0) (1 - cos)^5, per colour channel."""
 
+from ..addon.models.fresnel import F0
 from ._tree import Tree, Value, clamp
+from .parameters import add_input
 
 NAME = "VGroove Schlick"
 REVISION = 2
@@ -9,7 +11,7 @@ REVISION = 2
 
 def interface(tree: Tree) -> dict[str, Value]:
     """The artist's inputs, by the reference's parameter names."""
-    return {"f0": tree.input_color("F0", (0.04, 0.04, 0.04), tip="Reflectance seen head-on, linear RGB", held=True)}
+    return {"f0": add_input(tree, F0)}
 
 
 def build(tree: Tree) -> None:

@@ -8,14 +8,17 @@ Source: Cook & Torrance 1982, R = d R_d + s R_s with d + s = 1; ``Sum`` of the r
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..addon.models.sum import MODEL, TOGETHER, D, S
 from . import cook_torrance, cook_torrance_albedo
+from .parameters import add_input
 from .shading_normal import specular_normal, typical_smoothing
 
 if TYPE_CHECKING:
     import bpy
 
+    from ..addon.models import Form
     from ._tree import Tree, Value
 
 NAME = "VGroove Sum"
@@ -51,14 +54,15 @@ def build(
 
 
 def weights(tree: Tree, *, coupled: bool) -> tuple[Value, Value]:
-    """The inputs Diffuse and Specular."""
-    together = "; both together at most 1, or more light leaves than arrives"
-    tips = ("Share of the diffuse part", "Share of the specular part")
-    if coupled:
-        together = ", of what the specular part leaves"
-    tips = (tips[0] + together, tips[1] + together * (not coupled))
-    d, s = (
-        tree.input_float(name, 0.5, low=0.0, high=1.0, subtype="FACTOR", tip=tip, held=True)
-        for name, tip in zip(("Diffuse", "Specular"), tips, strict=True)
-    )
-    return d, s
+    """The inputs Diffuse and Specular; coupled, they need not share what arrives."""
+    shared = {one: one.tip.removesuffix(TOGETHER) for one in (D, S)}
+    tips = {D: f"{shared[D]}, of what the specular part leaves", S: shared[S]} if coupled else {D: "", S: ""}
+    return add_input(tree, D, tip=tips[D]), add_input(tree, S, tip=tips[S])
+
+
+def variant(
+    form: Form, estimator: str, parts: dict[str, bpy.types.ShaderNodeTree]
+) -> tuple[str, dict[str, Any]]:  # fmt: skip
+    """What the name of a preset's group says of its form, and what its builder has to know."""
+    label = f"{MODEL.kinds[form.kind]} {estimator.title()}" + " Coupled" * form.coupled
+    return label, parts | {"averaged": estimator == "fit", "coupled": form.kind if form.coupled else None}

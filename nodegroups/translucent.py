@@ -9,14 +9,19 @@ the scattering that gives a deep, evenly lit body the wanted diffuse reflectance
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..addon.models.estimators import UPRIGHT
+from ..addon.models.translucent import MEAN_FREE_PATH, MODEL, REFLECTANCE
 from . import cook_torrance, cook_torrance_albedo
 from ._tree import Tree, output
+from .parameters import add_input
 from .shading_normal import specular_normal, typical_smoothing
 
 if TYPE_CHECKING:
     import bpy
+
+    from ..addon.models import Form
 
 NAME = "VGroove Translucent"
 REVISION = 5
@@ -27,10 +32,7 @@ def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bo
 
     ``averaged``: with what Bump Map Correction does to the body, where it is off as the coat's lobes lean.
     """
-    tip = "Diffuse reflectance: what a large, evenly lit body sends back of the light that enters it"
-    color = tree.input_color("Reflectance", (0.8, 0.8, 0.8), tip=tip, held=True)
-    tip = "Of red, green and blue light, in metres: how far it goes between two turns"
-    path = tree.input_vector("Mean Free Path", (1e-3, 1e-3, 1e-3), low=0.0, high=10.0, tip=tip, held=True)
+    color, path = add_input(tree, REFLECTANCE), add_input(tree, MEAN_FREE_PATH)
     tree.inputs_of(coat)
     inputs = cook_torrance.given(tree, kind)
     N = specular_normal(tree, inputs.normal)
@@ -46,3 +48,11 @@ def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bo
         for socket in node.inputs:
             tree.connect(tree.given(socket.name), socket)
     tree.output_shader("BSDF", tree.add_shaders([below, node.outputs[0]]), tip="To the material's Surface")
+
+
+def variant(
+    form: Form, estimator: str, parts: dict[str, bpy.types.ShaderNodeTree]
+) -> tuple[str, dict[str, Any]]:  # fmt: skip
+    """What the name of a preset's group says of its form, and what its builder has to know."""
+    label = f"{MODEL.kinds[form.kind]} {estimator.title()}"
+    return label, {"coat": parts["specular"], "kind": form.kind, "averaged": estimator not in UPRIGHT}

@@ -4,8 +4,8 @@
 python tools/house.py            prints them
 python tools/house.py --each     and every place that is counted
 
-Rooms, in the order in which imports may go: what stands further down may import what stands further up. A file that has
-no folder of its own yet counts where it will be (``WILL_BE``).
+Rooms, in the order in which imports may go: what stands further down may import what stands further up. Rooms of one
+line do not import each other's.
 """
 
 from __future__ import annotations
@@ -21,25 +21,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 ROOT = Path(__file__).parent.parent
-ROOMS = ("reference", "models", "library", "nodegroups", "blender", "choose", "ui", "lab", "batch", "cli")
-FOLDERS = {
-    "addon/reference": "reference", "addon/models": "models", "addon/library": "library", "addon/blender": "blender",
-    "addon/choose": "choose", "addon/ui": "ui", "nodegroups": "nodegroups", "lab": "lab", "addon/report": "lab",
-    "batch": "batch", "addon/batch": "batch", "cli": "cli",
-}  # fmt: skip
-WILL_BE = {
-    "library": "presets preset_checks preset_files timeline inputs files",
-    "nodegroups": "versions",
-    "blender": "material origin roles rebuild lamps follow facts animation rays gonio assets slots scene images "
-    "colour_space colour_update",
-    "choose": "automatic advice explain assignment",
-    "lab": "check check_all check_glass check_hybrid check_oren_nayar check_seeds check_sum check_time headless",
-    "batch": "sequence",
-    "cli": "cli",
-}
-MODELS = ("cook_torrance", "oren_nayar", "glass", "car_paint", "translucent", "sum")
+LEVELS = (
+    ("reference",), ("models",), ("library",), ("nodegroups",), ("blender",), ("choose",), ("ui", "headless"),
+    ("lab", "batch"), ("cli",),
+)  # fmt: skip
+LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}
+SHIPPED = ("reference", "models", "library", "nodegroups", "blender", "choose", "ui")  # what Blender loads
+MODELS = tuple(path.stem for path in (ROOT / "addon" / "models").glob("*.py") if "MODEL = Model(" in path.read_text())
 ESTIMATORS = {"closure", "fit", "mirror", "direct", "corrected", "hybrid"}
-SAME_LEVEL = {"ui", "lab", "batch"}  # which do not import each other's
 LONGEST_FUNCTION, LONGEST_FILE = 60, 450
 
 
@@ -56,22 +45,21 @@ class Count:
 def sources() -> list[Path]:
     """Every Python file of the package."""
     return sorted(
-        path for folder in ("addon", "nodegroups", "lab", "batch", "cli") for path in (ROOT / folder).rglob("*.py")
+        path
+        for folder in ("addon", "nodegroups", "headless", "lab", "batch", "cli")
+        for path in (ROOT / folder).rglob("*.py")
     )
 
 
 def room(path: Path) -> str:
-    """Of a file; empty for what belongs to none."""
-    name = path.relative_to(ROOT).as_posix()
-    for folder in sorted(FOLDERS, key=len, reverse=True):
-        if name.startswith(folder + "/"):
-            return FOLDERS[folder]
-    return next((of for of, names in WILL_BE.items() if path.stem in names.split()), "")
+    """The room of a file; "" for what belongs to none."""
+    folders = path.relative_to(ROOT).parts[:-1]
+    return next((folder for folder in reversed(folders[:2]) if folder in LEVEL), "")
 
 
 def is_own(path: Path, model: str) -> bool:
     """Whether a file is a model's own: its name begins with the model's."""
-    return path.stem.removeprefix("check_").startswith(model)
+    return path.stem.startswith(model)
 
 
 def imports(path: Path, tree: ast.Module) -> Iterator[tuple[Path, int]]:
@@ -91,9 +79,7 @@ def imports(path: Path, tree: ast.Module) -> Iterator[tuple[Path, int]]:
 
 def climbs(importer: str, imported: str) -> bool:
     """Whether an import goes against the order of rooms."""
-    if importer in SAME_LEVEL and imported in SAME_LEVEL:
-        return importer != imported
-    return ROOMS.index(imported) > ROOMS.index(importer)
+    return importer != imported and LEVEL[imported] >= LEVEL[importer]
 
 
 def count() -> tuple[Count, Counter[str], Counter[str]]:
@@ -142,7 +128,7 @@ def _texts(node: ast.AST) -> Iterator[str]:
 def main() -> None:
     found, files, lines = count()
     print(f"{'room':<12}{'files':>6}{'lines':>7}")
-    for name in (*ROOMS, "(none)"):
+    for name in (*LEVEL, "(none)"):
         print(f"{name:<12}{files[name]:>6}{lines[name]:>7}")
     print()
     for what, places in sorted(found.places.items()):

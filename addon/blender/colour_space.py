@@ -29,7 +29,7 @@ import numpy as np
 from mathutils import Color
 
 from ...nodegroups import versions
-from ..library.checks import RANGES, RGB, base_name
+from ..models import base_name, parameter
 from ..reference.fresnel import F82_COSINE, fresnel_conductor, schlick
 from ..reference.keyframes import Keyframes
 from ..reference.trajectory import Trajectory
@@ -206,7 +206,7 @@ def _convert(values: Mapping[str, Any], M: Floats, absorption: Any) -> dict[str,
     index: tuple[Floats, Floats] | None = None  # no model has two conductors
     for name, value in values.items():
         base = base_name(name)
-        if base not in RGB or np.ndim(value) == 0:
+        if not parameter(base).is_rgb or np.ndim(value) == 0:
             continue
         of_lobe = name.removeprefix(base)
         rgb = np.asarray(value, dtype=np.float64)
@@ -225,7 +225,7 @@ def _convert(values: Mapping[str, Any], M: Floats, absorption: Any) -> dict[str,
             new, grey = np.apply_along_axis(absorption, -1, rgb, M), _is_grey(rgb)
         else:
             new, grey = rgb @ M.T, _is_grey(rgb)
-        held = np.clip(new, *RANGES[base])
+        held = np.clip(new, parameter(base).low, parameter(base).high)
         converted = np.where(grey, rgb, held)
         result[name] = tuple(converted.tolist()) if converted.ndim == 1 else converted
     return result

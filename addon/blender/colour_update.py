@@ -19,7 +19,7 @@ import bpy
 import numpy as np
 
 from ...nodegroups import trajectory
-from ..library.checks import RGB, base_name
+from ..models import parameter
 from ..reference.keyframes import Keyframes
 from . import colour_space, origin
 from . import course as animation
@@ -64,7 +64,7 @@ def refresh(made: Material) -> None:
     if played:
         animation.remove(made, sockets)
     for name, socket in sockets.items():
-        if base_name(name) in RGB or played:  # as taking a course away sets what it moves
+        if parameter(name).is_rgb or played:  # as taking a course away sets what it moves
             socket.default_value = (*numbers[name], 1.0) if socket.type == "RGBA" else numbers[name]
     if not played:
         _convert_course(made, values, before, after, T if converted else None)
@@ -137,7 +137,7 @@ def _convert_course(made: Material, still: dict[str, Any], before: Floats, after
 
     sockets = parameter_sockets(made)
     keys = animation.courses(made, sockets)
-    colours = [name for name in keys if base_name(name) in RGB]
+    colours = [name for name in keys if parameter(name).is_rgb]
     node = animation.trajectory_node(made)
     if node is not None:
         if T is not None:

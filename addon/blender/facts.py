@@ -18,9 +18,11 @@ import bpy
 from mathutils import Vector
 
 from ...nodegroups import REVISION_KEY, versions
-from ..library.presets import TRANSPARENT
+from ..models import MODELS
+from ..models.estimators import NATIVE
 from . import lamps, rays, roles
-from .material import NATIVE, bindable, bound_slots, is_ours, origin_of
+from .choice import bindable
+from .reading import bound_slots, is_ours, origin_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -129,7 +131,7 @@ class SceneFacts:
 
     def to_bind(self, estimator: str, model: str) -> tuple[lamps.Light, ...]:
         """``lamps_to_bind`` of the scene."""
-        if estimator in NATIVE or model in TRANSPARENT:
+        if estimator in NATIVE or MODELS[model].transparent:
             return ()
         return bindable(self._placed, estimator, model)
 

@@ -11,8 +11,9 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from ..library.presets import MODELS, Preset, all_presets
+from ..library.presets import Preset, all_presets
 from ..library.timeline import Timeline
+from ..models import MODELS
 from ..reference.hybrid import DEFAULT_BOUND
 from . import roles
 from .course import Play

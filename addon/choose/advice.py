@@ -13,9 +13,10 @@ import bpy
 from ...nodegroups import fit_table, lamp, versions
 from ...nodegroups.osl_script import OslError
 from ..blender import facts, lamps, rays
-from ..blender.material import BUILDERS, EVERY_LAMP, NATIVE, RANDOM, MaterialError, binds, locked
+from ..blender.material import MaterialError, binds, locked
 from ..blender.rebuild import is_of_other_cycles, rebuild
-from ..library.presets import TRANSPARENT
+from ..models import MODELS
+from ..models.estimators import BORROWING, EVERY_LIGHT, NATIVE, RANDOM
 from ..reference import cycles
 
 if TYPE_CHECKING:
@@ -35,7 +36,6 @@ FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light t
 FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
 
 
-DIFFUSE = {"oren_nayar", "sum", "car_paint"}  # models with a diffuse part that random facets mirror
 NAMES = {"auto": "Standard", "corrected": "Exact Lights", "mirror": "Reference"}  # others go by their own names
 SHARPEST = 0.075  # slope m up to which Cycles takes a lobe of its own, too, for a mirror when it stores denoising data
 LIGHTING_PASSES = ("diffuse", "glossy", "transmission", "subsurface")
@@ -61,31 +61,32 @@ def problems(
     """What is wrong with a scene for this choice, the gravest first."""
     known = facts.of(scene)
     found = list(_engine_problems(known.scene, backend))
-    has = BUILDERS[model]
-    if estimator not in has:
-        text = f"This material has no {name_of(estimator)}; choose {', '.join(map(name_of, has))} or Automatic"
+    spec = MODELS[model]
+    if estimator not in spec.estimators:
+        others = ", ".join(map(name_of, spec.estimators))
+        text = f"This material has no {name_of(estimator)}; choose {others} or Automatic"
         return [*found, Problem("model", text)]
     bound = known.to_bind(estimator, model)
-    if estimator in RANDOM and (model != "glass" or m > 0.0):  # a smooth interface draws nothing
+    if estimator in RANDOM and (m > 0.0 or not spec.smooth_estimator):  # a smooth interface draws nothing
         found += [*_unseen_problems(known, estimator, model), *_setting_problems(known.scene, estimator)]
         found += _ray_problems(known)
     if estimator in RANDOM:
         found += _caustics_problems(known.scene, estimator, model)
     if estimator == "direct":
         found += _direct_problems(known)
-    if estimator in EVERY_LAMP:
+    if estimator in EVERY_LIGHT:
         found += _followed_problems(known, estimator, bound)
     if bound:
         found += [*_shadow_problems(backend, estimator, bound), *_emitted_problems(known, estimator)]
     if estimator not in NATIVE:
         found += _terminator_problems(known, estimator, model)
         found += _picture_problems(known.scene, estimator, model, bound)
-        mirrored = estimator in RANDOM and (m > SHARPEST or model in DIFFUSE) and model != "translucent"
+        mirrored = estimator in RANDOM and spec.mirrors and (m > SHARPEST or spec.is_diffuse)
         if mirrored or (
-            estimator in EVERY_LAMP and bound
+            estimator in EVERY_LIGHT and bound
         ):  # of a translucent body Cycles stores what is below the coat
             found += _denoiser_problems(known.scene, estimator)
-    if estimator in {*NATIVE, "corrected", "hybrid"} and m > 1.0:
+    if estimator in BORROWING and m > 1.0:
         but = " except at bound lights" if estimator == "corrected" else ""
         text = f"Cycles' own lobes end at m = 1, which is shown in place of m = {m:g}{but}; Reference has no such end"
         found.append(Problem("slope", text))
@@ -97,9 +98,9 @@ def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estim
     known = facts.of(scene)
     found = problems(known, backend, estimator, preset.m, preset.model)
     for part in list(preset.parts().values()) or [preset]:
-        if part.model == "cook_torrance" and estimator in BUILDERS[preset.model]:
+        if part.spec.has_fresnel and estimator in preset.spec.estimators:
             found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
-    if preset.model == "glass" and preset.kind != "thin":  # a sheet has no inside
+    if preset.transparent and preset.kind != "thin":  # a sheet has no inside
         found += _bounce_problems(known.scene)
     return [*found, *cycles_problems(known.scene), *_stale_problems(known)]
 
@@ -275,7 +276,7 @@ def _setting_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
 
 def _caustics_problems(scene: Scene, estimator: str, model: str) -> Iterator[Problem]:
     cycles, name = scene.cycles, name_of(estimator)
-    if model == "glass" and not cycles.caustics_refractive:
+    if MODELS[model].transparent and not cycles.caustics_refractive:
         text = f"Refractive Caustics are off: light through {name} is lost"
         mend = partial(_set, cycles, caustics_refractive=True)
         yield Problem("refractive", text, "Switch Caustics On", mend, "more noise")
@@ -371,7 +372,7 @@ def _denoiser_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
 
 def _terminator_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[Problem]:
     """Cycles bends the cosine to each closure's own normal, and no light grazes a random facet."""
-    if known.shifted and estimator in {*RANDOM, "direct"} and model not in TRANSPARENT:
+    if known.shifted and estimator in {*RANDOM, "direct"} and not MODELS[model].transparent:
         items = [item for name in known.shifted if (item := known.scene.objects.get(name)) is not None]
         share = " where it mirrors" if estimator == "hybrid" else ""
         text = (
@@ -404,7 +405,7 @@ def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[
         mend = partial(_set, cycles, sample_clamp_direct=0.0)
         text = f"Clamp Direct is on and clamps the parts of {name} one by one, which changes their sum"
         yield Problem("clamp-direct", text, "Set Clamp Direct to 0", mend, "more fireflies")
-    diffuse = estimator in RANDOM and model in DIFFUSE
+    diffuse = estimator in RANDOM and MODELS[model].is_diffuse and MODELS[model].mirrors
     if cycles.bake_type in {"DIFFUSE", "GLOSSY"} and (bound or diffuse):
         what = "what it adds for bound lights" if bound else "its diffuse part, which it mirrors"
         text = f"A {cycles.bake_type.title()} bake of {name} lacks {what}; bake Combined, or choose Standard"

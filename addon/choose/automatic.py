@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..blender import facts
-from ..blender.material import BUILDERS, NATIVE
+from ..models.estimators import NATIVE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -75,9 +75,9 @@ def pick(scene: Scene | SceneFacts | None, preset: Preset) -> Pick:
 
     Smooth glass takes ``mirror``, which is exact there and draws nothing at random.
     """
-    if preset.model == "glass" and preset.m == 0.0:
-        return Pick("mirror", "a smooth interface is exact")
-    natives = [name for name in NATIVE if name in BUILDERS[preset.model]]
+    if preset.is_smooth:
+        return Pick(preset.spec.smooth_estimator, "a smooth interface is exact")
+    natives = [name for name in NATIVE if name in preset.spec.estimators]
     if len(natives) == 1:
         return Pick(natives[0], "Cycles' own lobes; this model has no closer fit")
     known = None if scene is None else facts.of(scene)
@@ -153,7 +153,7 @@ def _bias_of(part: Preset, kind: str, estimator: str) -> float:
 
 def _noise(known: SceneFacts, parts: Sequence[Preset], samples: float) -> float:
     """After so many samples of a lobe; narrow lobes make a broad light noisier."""
-    m = max((part.m for part in parts if part.model == "cook_torrance"), default=0.0)
+    m = max((part.m for part in parts), default=0.0)
     narrow = 0.3 / max(m, 0.05) if m else 0.25
     lit = bool(known.lights or known.emitters or known.sky.sun_disc)
     if known.sky.kind == "picture":
@@ -167,4 +167,4 @@ def _noise(known: SceneFacts, parts: Sequence[Preset], samples: float) -> float:
 
 
 def _is_dielectric(part: Preset) -> bool:
-    return part.model == "cook_torrance" and part.kind == "dielectric"
+    return part.spec.has_fresnel and part.kind == "dielectric"

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...nodegroups import eevee
-from ..blender import course as animation
-from ..blender import facts
+from ..blender import course, facts
 from ..blender.course import Play
-from ..blender.material import NATIVE, RANDOM, Choice, absorbs, build
+from ..blender.material import Choice, absorbs, build
+from ..models import fresnel
+from ..models.estimators import NATIVE, RANDOM
 from . import automatic
 
 if TYPE_CHECKING:
@@ -20,13 +21,6 @@ if TYPE_CHECKING:
 
     from ..blender.facts import SceneFacts
     from ..library.presets import Preset
-
-FRESNEL = {
-    "schlick": "Schlick's formula from F0",
-    "dielectric": "exact, from the index of refraction",
-    "conductor": "exact, from n and k",
-    "f82": "Schlick's formula from F0, with a tint at 82 degrees",
-}
 
 
 @dataclass(frozen=True)
@@ -101,26 +95,15 @@ def _instructions(bytecode: str) -> int:
 
 
 def _model(preset: Preset) -> Iterator[Line]:
-    if preset.model == "sum":
-        d, s = preset.parameters["d"], preset.parameters["s"]
-        left = f"{d:g} of what the specular part leaves" if preset.coupled else f"{d:g} of the light"
-        yield Line("diffuse part: oren_nayar", left, kept=True)
-        yield Line("specular part: cook_torrance", f"{s:g} of the light", kept=True)
-    elif preset.model == "translucent":
-        yield Line(
-            "body: Cycles' subsurface scattering", "of what the coat lets in, the same for all estimators", kept=True
-        )
-        yield Line("coat: cook_torrance", "all of the light that it mirrors", kept=True)
-    elif preset.model == "car_paint":
-        shares = ", ".join(f"{preset.parameters[f's_{k}']:g}" for k in range(1, preset.lobes + 1))
-        yield Line("base: oren_nayar", "under the lobes", kept=True)
-        yield Line(f"{preset.lobes} lobes: cook_torrance", f"{shares} of the light", kept=True)
+    spec = preset.spec
+    if spec.account:
+        yield from (Line(what, why, kept=True) for what, why in spec.account(preset))
     else:
-        yield Line(f"model {preset.model}", "" if preset.kind in FRESNEL else preset.kind, kept=True)
+        yield Line(f"model {preset.model}", "" if spec.has_fresnel else preset.kind, kept=True)
     if absorbs(preset):
         yield Line("absorption: Cycles' volume", "by the way through the body, which must be closed", kept=True)
-    if preset.kind in FRESNEL:
-        yield Line(f"Fresnel term: {preset.kind}", FRESNEL[preset.kind], kept=True)
+    if preset.kind in fresnel.KINDS:
+        yield Line(f"Fresnel term: {preset.kind}", fresnel.KINDS[preset.kind].says, kept=True)
 
 
 def _nodes(made: Material, backend: str) -> Iterator[Line]:
@@ -131,24 +114,24 @@ def _nodes(made: Material, backend: str) -> Iterator[Line]:
 
 
 def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
-    if preset.kind in FRESNEL:
-        others = [kind for kind in FRESNEL if kind != preset.kind]
+    if preset.kind in fresnel.KINDS:
+        others = [kind for kind in fresnel.KINDS if kind != preset.kind]
         yield Line(f"Fresnel terms: {', '.join(others)}", "the preset needs one", kept=False)
     if preset.time is None:
         yield Line("time", "the preset does not change: no drivers of time, no keys", kept=False)
     else:
-        of, keys = preset.time, animation.keyframes(preset.trajectory(), Play())
+        of, keys = preset.time, course.keyframes(preset.trajectory(), Play())
         counts = ", ".join(f"{name} {found.times.size}" for name, found in keys.items())
         why = f"a still shows one moment of {of.start:g} to {of.end:g} {of.unit}; a sequence plays keys: {counts}"
         yield Line(f"course over time ({of.kind})", why, kept=False)
-    if preset.model not in {"oren_nayar", "sum", "car_paint", "translucent"}:
+    if not preset.spec.is_diffuse:
         yield Line("diffuse part", "the preset has none", kept=False)
     if preset.transparent and not absorbs(preset):
         why = "a sheet has no inside" if preset.kind == "thin" else "what passes loses nothing on its way"
         yield Line("absorption", why, kept=False)
     if not preset.transparent:
         yield Line("transmission", "the preset is opaque", kept=False)
-    if preset.model == "glass" and preset.m == 0:
+    if preset.is_smooth:
         yield Line("facets and random numbers", "m = 0 is a smooth interface", kept=False)
     elif estimator not in RANDOM:
         yield Line("random numbers", f"{estimator} draws no facets", kept=False)

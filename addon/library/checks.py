@@ -4,25 +4,18 @@
 from __future__ import annotations
 
 import difflib
-from math import inf, pi
-from typing import Any
+from math import inf
+from typing import TYPE_CHECKING, Any
 
+from ..models import parameter
+from ..models.cook_torrance import SLOPE
 from .inputs import InputError, shown
 
+if TYPE_CHECKING:
+    from ..models import Number
+
 LONGEST_MESSAGE = 400  # characters
-M_RANGE = (1e-4, 10.0)  # what float32 shaders keep finite; 0 stands for a smooth interface
-RANGES = {
-    "m": M_RANGE,
-    "f0": (0.0, 1.0),
-    "f82_tint": (0.0, 1.0),
-    "eta": (0.1, 10.0),
-    "n": (0.0, 20.0),
-    "k": (0.0, 20.0),
-}
-# White Oren-Nayar as published sends back up to 1.051 of what arrives; below 0.95 no direction exceeds 1.
-RANGES |= {"d": (0.0, 1.0), "s": (0.0, 1.0), "albedo": (0.0, 0.95), "sigma": (0.0, pi / 2), "tint": (0.0, 1.0)}
-RANGES |= {"absorption": (0.0, 1e5), "reflectance": (0.0, 1.0), "mean_free_path": (0.0, 10.0)}
-RGB = {"f0", "f82_tint", "n", "k", "albedo", "tint", "absorption", "reflectance", "mean_free_path"}
+M_RANGE = SLOPE.low, SLOPE.high  # what float32 shaders keep finite; 0 stands for a smooth interface
 
 
 class PresetError(InputError):
@@ -34,12 +27,6 @@ class PresetError(InputError):
     def __init__(self, message: str) -> None:
         line = "".join(c if c.isprintable() else "?" for c in message)
         super().__init__(line if len(line) <= LONGEST_MESSAGE else f"{line[: LONGEST_MESSAGE - 4]} ...")
-
-
-def base_name(key: str) -> str:
-    """The name of a number without that of its lobe: m of m_2."""
-    name, _, lobe = key.rpartition("_")
-    return name if lobe.isdigit() else key
 
 
 def check_key(where: str, key: str, known: Any) -> None:
@@ -59,9 +46,9 @@ def as_typed(where: str, key: str, value: Any, kind: type) -> Any:
     return value
 
 
-def as_number(where: str, key: str, value: Any) -> float | tuple[float, float, float]:
+def as_number(where: str, key: str, value: Any) -> Number:
     """A parameter within its range: one number, or three for RGB (one number then counts for all three)."""
-    if base_name(key) not in RGB:
+    if not parameter(key).is_rgb:
         return as_in_range(where, key, value)
     channels = [value] * 3 if isinstance(value, (int, float)) else value
     if not isinstance(channels, (list, tuple)) or len(channels) != 3:
@@ -76,11 +63,12 @@ def as_in_range(where: str, key: str, value: Any) -> float:
         number = float(as_typed(where, key, value, float))
     except OverflowError:  # an integer of hundreds of digits
         number = inf
-    low, high = RANGES[base_name(key)]
-    if key == "m" and number == 0.0:
+    of = parameter(key)
+    smooth = of.zero_is_smooth and key == of.name  # a lobe is never smooth
+    if smooth and number == 0.0:
         return number
-    if not low <= number <= high:
-        hint = " (or 0, a smooth interface)" if key == "m" else ""
-        message = f"{where}: {key} must be between {low:g} and {high:g}{hint}, got {number:g}"
+    if not of.low <= number <= of.high:
+        hint = " (or 0, a smooth interface)" if smooth else ""
+        message = f"{where}: {key} must be between {of.low:g} and {of.high:g}{hint}, got {number:g}"
         raise PresetError(message)
     return number

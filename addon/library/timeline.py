@@ -30,8 +30,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..models import parameter
 from ..reference.trajectory import Exponential, Keys, Law, Logistic, Polynomial, Power, Reciprocal, Trajectory
-from .checks import RANGES, RGB, PresetError, as_number, as_typed, base_name, check_key
+from .checks import PresetError, as_number, as_typed, check_key
 from .inputs import shown
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class Timeline:
     def trajectory(self, parameters: dict[str, Any]) -> Trajectory:
         """The changing ones of ``parameters``, which are those at the start, each by its law."""
         laws = {name: self._law(name, parameters[name]) for name in self.laws}
-        ranges = {name: RANGES[base_name(name)] for name in self.laws}
+        ranges = {name: (parameter(name).low, parameter(name).high) for name in self.laws}
         return Trajectory(laws, self.start, self.end, ranges)
 
     def without(self, names: Iterable[str]) -> Timeline | None:
@@ -99,7 +100,7 @@ class Timeline:
         if law == "polynomial":
             return Polynomial(_about(np.array([start, *table["coefficients"]]), self.start))
         times, values = [self.start, *table["times"]], np.array([start, *table["values"]])
-        return Keys(times, values, geometric=base_name(name) == "m")
+        return Keys(times, values, geometric=parameter(name).is_roughness)
 
     @cached_property
     def moments(self) -> tuple[float, ...]:
@@ -168,8 +169,8 @@ def _checked(
 ) -> dict[str, Any]:  # fmt: skip
     """The table of one law, its numbers as floats; values of the parameter are within the parameter's range."""
     law = _complete(where, table)
-    if base_name(name) == "m" and start == 0.0:
-        message = f"{where}: m is 0, a smooth interface, which cannot change; start from a slope of 0.0001 or more"
+    if parameter(name).zero_is_smooth and start == 0.0:
+        message = f"{where}: {name} is 0, a smooth interface, which cannot change; start from a slope of 0.0001 or more"
         raise PresetError(message)
     checked: dict[str, Any] = {"law": law}
     for key, value in table.items():
@@ -208,14 +209,14 @@ def _complete(where: str, table: dict[str, Any]) -> str:
 def _value(where: str, name: str, value: Any) -> Any:
     """A value of the parameter; a slope never becomes 0."""
     number = as_number(where, name, value)
-    if base_name(name) == "m" and number == 0.0:
+    if parameter(name).zero_is_smooth and number == 0.0:
         message = f"{where}: a slope cannot become 0; use 0.0001 or more"
         raise PresetError(message)
     return number
 
 
 def _coefficient(where: str, name: str, value: Any) -> Any:
-    if base_name(name) not in RGB:
+    if not parameter(name).is_rgb:
         return _finite(where, "coefficients", value)
     channels = value if isinstance(value, (list, tuple)) else [value] * 3
     if len(channels) != 3:

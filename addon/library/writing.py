@@ -6,10 +6,11 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from ..models import fresnel
 from . import presets
 from .checks import PresetError
 from .files import check_writable, write_text
-from .presets import FLAGS, FRESNEL_KEYS, KINDS, LOBE, USER_FAMILY, Preset
+from .presets import USER_FAMILY, Preset
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,13 +45,15 @@ def dumps(preset: Preset) -> str:
     values: dict[str, Any] = {"name": preset.name, "model": preset.model}
     tables: dict[str, dict[str, Any] | list[dict[str, Any]]] = {}
     numbers = dict(preset.parameters)
-    if preset.model in KINDS:
-        values["kind"] = preset.kind
+    spec = preset.spec
+    if spec.has_fresnel:
+        tables["fresnel"] = {one.name: numbers.pop(one.name) for one in fresnel.KINDS[preset.kind].parameters}
     else:
-        tables["fresnel"] = {key: numbers.pop(key) for key in FRESNEL_KEYS[preset.kind]}
-    if preset.lobes:
-        tables["lobes"] = [{key: numbers.pop(f"{key}_{k}") for key in LOBE} for k in range(1, preset.lobes + 1)]
-    values |= {key: getattr(preset, key) for key in FLAGS.get(preset.model, ())}
+        values["kind"] = preset.kind
+    if spec.lobes:
+        keys, count = [one.name for one in spec.lobes], preset.lobes
+        tables["lobes"] = [{key: numbers.pop(f"{key}_{k}") for key in keys} for k in range(1, count + 1)]
+    values |= {flag: getattr(preset, flag) for flag in spec.flags}
     optional = {"tags": preset.tags, "notes": preset.notes, "m_range": preset.m_range}
     values |= {key: of for key, of in optional.items() if of} | numbers
     tables["source"] = dict(preset.source)

@@ -13,12 +13,13 @@ import numpy as np
 
 from .cook_torrance import as_samples
 from .directions import as_range
+from .estimators import rendered
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .directions import Floats
-    from .model import Model
+    from .model import Brdf, Model
 
 
 @dataclass(frozen=True)
@@ -68,3 +69,8 @@ class CarPaint:
         """Directional albedo, (..., 3): the weighted sum of all parts'."""
         lobes = (s * one.directional_albedo(wo) for s, one in zip(self.s, self.lobes, strict=True))
         return self.base.directional_albedo(wo) + sum(lobes)
+
+    def rendered(self, estimator: str, bound: float) -> Brdf:
+        """See ``estimators.rendered``."""
+        base, *lobes = (rendered(part, estimator, bound) for part in (self.base, *self.lobes))
+        return lambda wi, wo: base(wi, wo) + sum(s * lobe(wi, wo) for s, lobe in zip(self.s, lobes, strict=True))

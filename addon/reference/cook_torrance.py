@@ -26,13 +26,14 @@ from .directions import (
     half_vector,
     reflect,
 )
-from .distributions import beckmann_d, vgroove_g, vgroove_g1
+from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .directions import Floats
     from .fresnel import Fresnel
+    from .model import Brdf
 
 
 def cook_torrance(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, G: ArrayLike | None = None) -> Floats:
@@ -116,6 +117,19 @@ class CookTorrance:
     def directional_albedo(self, wo: ArrayLike) -> Floats:
         """Directional albedo, (..., 3): integral of f cos over wi, by quadrature over facet slopes."""
         return quadrature.vgroove_albedo(wo, self.m, self.fresnel)
+
+    def rendered(self, estimator: str, bound: float) -> Brdf:
+        """See ``estimators.rendered``."""
+        from .cook_torrance_fit import cook_torrance_fit, cook_torrance_hybrid  # which needs this module
+
+        m, F = self.m, self.fresnel
+        if estimator == "fit":
+            return lambda wi, wo: cook_torrance_fit(wi, wo, m, F)
+        if estimator == "closure":
+            return lambda wi, wo: cook_torrance(wi, wo, m, F, smith_g(wi, wo, m))
+        if estimator == "hybrid":
+            return lambda wi, wo: cook_torrance_hybrid(wi, wo, m, F, bound)
+        return self.evaluate
 
 
 @dataclass(frozen=True)

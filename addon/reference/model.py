@@ -6,9 +6,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
     from numpy.typing import ArrayLike
 
     from .directions import Floats
+
+    Brdf = Callable[[Any, Any], Floats]  # f(wi, wo) in 1/sr, (..., 3)
 
 
 class Model(Protocol):

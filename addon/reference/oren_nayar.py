@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .directions import Floats
+    from .model import Brdf
 
 
 def oren_nayar(
@@ -121,6 +122,20 @@ class OrenNayar(_Diffuse):
     def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
         """f(wi, wo) in 1/sr, (..., 3); see ``oren_nayar``."""
         return oren_nayar(wi, wo, self.albedo, self.sigma, qualitative=self.qualitative)
+
+    def rendered(self, estimator: str, bound: float) -> Brdf:
+        """See ``estimators.rendered``."""
+        from . import oren_nayar_fit as native  # which needs this module
+
+        rho, sigma, qualitative = self.albedo, self.sigma, self.qualitative
+        if estimator == "fit":
+            return lambda wi, wo: native.oren_nayar_fit(wi, wo, rho, sigma, qualitative=qualitative)
+        if estimator == "closure":
+            roughness = native.closure_roughness(sigma, qualitative=qualitative)
+            return lambda wi, wo: native.cycles_diffuse(wi, wo, rho, roughness)
+        if estimator == "hybrid":
+            return lambda wi, wo: native.oren_nayar_hybrid(wi, wo, rho, sigma, bound, qualitative=qualitative)
+        return self.evaluate
 
 
 @dataclass(frozen=True)

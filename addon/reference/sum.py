@@ -13,13 +13,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .cook_torrance import CookTorrance, Smooth, as_samples
+from .cook_torrance_albedo import quick_albedo
 from .directions import as_directions, as_range
+from .estimators import rendered
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .directions import Floats
-    from .model import Model
+    from .model import Brdf, Model
 
 
 @dataclass(frozen=True)
@@ -102,3 +104,23 @@ class Sum:
     def _specular_share(self) -> float:
         total = self.d + self.s
         return float(self.s / total) if total > 0 else 0.0
+
+    def rendered(self, estimator: str, bound: float) -> Brdf:
+        """See ``estimators.rendered``. Coupled, with E_s from three facets, as shaders have it."""
+        diffuse, specular = (rendered(part, estimator, bound) for part in (self.diffuse, self.specular))
+        return lambda wi, wo: quick_diffuse_share(self, wo) * diffuse(wi, wo) + self.s * specular(wi, wo)
+
+
+def quick_diffuse_share(model: Sum, wo: ArrayLike) -> Floats:
+    """The diffuse part's weight as shaders have it, (..., 1): d, or d (1 - s E_s), E_s that of the strongest channel.
+
+    Raises TypeError for a coupled sum whose specular part is not Cook-Torrance or smooth.
+    """
+    if not model.coupled:
+        return np.full(1, model.d)
+    specular = model.specular
+    if not isinstance(specular, CookTorrance | Smooth):
+        message = f"a coupled Sum needs a CookTorrance or Smooth specular part, got {type(specular).__name__}"
+        raise TypeError(message)
+    m = specular.m if isinstance(specular, CookTorrance) else 0.0
+    return model.d * (1.0 - model.s * np.max(quick_albedo(wo, m, specular.fresnel), axis=-1, keepdims=True))

@@ -10,6 +10,7 @@ from functools import lru_cache
 import bpy
 
 from ..library import presets
+from ..models import estimators
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
 from . import memory, thumbnails
 
@@ -41,32 +42,7 @@ QUALITIES = (
 STORED = ("auto", "corrected", "mirror")  # the estimator behind each quality
 ESTIMATORS = (
     ("auto", "Automatic", "Closure or Fit, whichever is expected to come closer in this scene; the panel says why", 0),
-    (
-        "fit",
-        "Fit",
-        "A fixed mixture of Cycles' own closures within a few percent of the formula: every light, no added noise",
-        4,
-    ),
-    (
-        "closure",
-        "Closure",
-        "Cycles' own closure: every light, least noise, but another model: Smith's shadowing, Fujii's rough diffuse",
-        1,
-    ),
-    (
-        "corrected",
-        "Corrected",
-        "Fit, made exact for the eight strongest lights: no noise from lights of zero size, little from others",
-        5,
-    ),
-    (
-        "hybrid",
-        "Hybrid",
-        "Fit for the most part, the rest by Mirror: exact within a bound that you set, with less noise than Mirror",
-        6,
-    ),
-    ("mirror", "Mirror", "Exact: a random facet for each sample. Lights of zero size are added by the formula", 2),
-    ("direct", "Direct", "Exact and free of noise, for the eight strongest lights alone: no world, no reflections", 3),
+    *((name, of.label, of.tip, of.number) for name, of in estimators.ESTIMATORS.items()),
 )
 
 ALL, FAVOURITES, RECENT = "ALL", "FAVOURITES", "RECENT"
@@ -83,8 +59,8 @@ def number(name: str) -> int:
 
 def _tip(preset: presets.Preset) -> str:
     numbers = ", ".join(f"{key} {value}" for key, value in preset.parameters.items())
-    what = {"cook_torrance": "Reflection of ", "glass": "Transparent ", "oren_nayar": "Rough "}.get(preset.model, "")
-    return f"{what}{preset.name.lower()}: {numbers}. Source: {preset.source['data']}. {preset.notes}".strip()
+    about = f"{preset.spec.opening}{preset.name.lower()}: {numbers}"
+    return f"{about}. Source: {preset.source['data']}. {preset.notes}".strip()
 
 
 def family_items(_self: object, _context: object) -> list[Item]:

@@ -81,7 +81,7 @@ def ours(preset: Preset, backends: tuple[str, ...], *, lamps: bool) -> Iterator[
     """Every estimator that shows something else than another: without lamps corrected is fit, and direct is black."""
     for backend in backends:
         for estimator in BUILDERS[preset.model]:
-            if lamps or estimator not in material.EVERY_LAMP:
+            if lamps or estimator not in material.EVERY_LIGHT:
                 yield Contender(
                     f"{estimator}, {backend}", _maker(preset, estimator, backend), estimator, backend,
                     osl=backend == "osl",

@@ -31,8 +31,9 @@ from ... import nodegroups
 from ...addon.blender import course as animation
 from ...addon.blender import lamps as lamp_binding
 from ...addon.blender.material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
-from ...addon.library.checks import M_RANGE, base_name
+from ...addon.library.checks import M_RANGE
 from ...addon.library.presets import Preset, shipped
+from ...addon.models import base_name
 from ...nodegroups import (
     absorption,
     cook_torrance,

@@ -11,9 +11,9 @@ import numpy as np
 from ...addon.blender import gonio
 from ...addon.library.presets import Preset, parse
 from ...addon.reference import CookTorrance, OrenNayar, Sum, albedo, rendered
-from ...addon.reference.estimators import quick_diffuse_share
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.quadrature import diffuse_albedo
+from ...addon.reference.sum import quick_diffuse_share
 from . import rows as check
 from .hybrid import excess
 from .oren_nayar import SUN_ANGLE, SUN_THETAS

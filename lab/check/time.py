@@ -20,9 +20,9 @@ from ...addon.blender.course import Play
 from ...addon.library.presets import Preset, find
 from ...addon.library.timeline import plain
 from ...addon.reference import OrenNayar, Sum, albedo, rendered
-from ...addon.reference.estimators import quick_diffuse_share
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.quadrature import diffuse_albedo
+from ...addon.reference.sum import quick_diffuse_share
 from . import rows as check
 from .hybrid import excess
 from .rows import SETUPS, Row, Setup, View

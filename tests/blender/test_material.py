@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from vgroove import headless
+from vgroove.addon import models
 from vgroove.addon.blender import gonio, material, slots
 from vgroove.addon.blender.material import Choice, MaterialError, build, lamps_to_bind
 from vgroove.addon.choose import automatic
@@ -42,10 +43,10 @@ def test_a_material_is_one_group_and_an_output(blender, choice, fresnel):
     node = next(node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
     names = [socket.name for socket in node.inputs]
     bound = ["Bound"] * (choice.estimator == "hybrid")
-    expected = [*(material.SOCKETS[key] for key in presets.FRESNEL_KEYS[fresnel]), "Slope m", "Normal", *bound]
+    expected = [*(one.label for one in models.fresnel.KINDS[fresnel].parameters), "Slope m", "Normal", *bound]
     assert names == expected
     for key, value in preset.parameters.items():
-        socket = node.inputs[material.SOCKETS[key]]
+        socket = node.inputs[material.socket_name(key)]
         got = tuple(socket.default_value)[:3] if isinstance(value, tuple) else socket.default_value
         assert got == pytest.approx(value, rel=1e-7)
 

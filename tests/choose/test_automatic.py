@@ -13,6 +13,7 @@ from vgroove.addon.blender.material import BUILDERS, NATIVE
 from vgroove.addon.choose import automatic
 from vgroove.addon.library import presets
 from vgroove.addon.library.presets import find
+from vgroove.addon.models import MODELS
 from vgroove.headless import scene
 from vgroove.lab.bench import picks, record
 from vgroove.lab.bench.scenes import stage
@@ -107,7 +108,7 @@ def test_every_preset_gets_a_native_closure_that_its_model_has(blender, lit, lig
     lit.cycles.samples, lit.cycles.use_denoising = samples, denoised
     known = facts.of(lit)
     for preset in presets.all_presets().values():
-        smooth = preset.model == "glass" and preset.m == 0.0
+        smooth = preset.is_smooth
         for where in (known, None):
             pick = automatic.pick(where, preset)
             assert pick.estimator in BUILDERS[preset.model]
@@ -140,7 +141,9 @@ def test_what_nothing_was_measured_of_is_said(blender, lit, monkeypatch):
     assert "nothing was measured" not in automatic.pick(lit, copper).why
     unknown = replace(copper, model="velvet")
     for has, expected in ((("closure", "mirror"), "closure"), (("mirror", "closure", "fit"), "fit")):
-        monkeypatch.setitem(BUILDERS, "velvet", dict.fromkeys(has))
+        monkeypatch.setitem(
+            MODELS, "velvet", replace(MODELS["glass"], name="velvet", smooth_estimator="", estimators=has)
+        )
         assert automatic.pick_estimator(lit, unknown) == expected
     assert "nothing was measured of the model velvet" in automatic.pick(lit, unknown).why
     assert "nothing was measured of the scene" in automatic.pick(None, copper).why

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from vgroove.addon.blender import course as animation
-from vgroove.addon.blender import gonio, lamps, material, rays
+from vgroove.addon.blender import gonio, lamps, rays
 from vgroove.addon.library import presets
+from vgroove.addon.library.checks import M_RANGE
 from vgroove.addon.reference import Keyframes
 from vgroove.lab.bench import stability
 from vgroove.lab.bench import stability_pictures as pictures
@@ -231,7 +232,7 @@ def test_presets_refuse_what_is_out_of_range_and_sockets_stay_finite(instrument)
     assert "between 0.0001 and 10" in found["limit"]
     with pytest.raises(presets.PresetError, match="between"):
         stability.white(1e-6)
-    assert material.M_RANGE == (1e-4, 10.0)
+    assert M_RANGE == (1e-4, 10.0)
 
 
 @pytest.mark.parametrize("at", [0.0, 0.5, 1.0])

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from vgroove.addon.library import presets
-from vgroove.addon.library.checks import RANGES, PresetError
+from vgroove.addon.library.checks import PresetError
 from vgroove.addon.library.presets import FOLDER, all_presets, find, load, load_folder, parse
+from vgroove.addon.models import parameter
 from vgroove.addon.reference import Glass, OrenNayar, albedo, spherical
 
 GOOD = 'name = "A"\nmodel = "cook_torrance"\nm = 0.3\n[fresnel]\nf0 = [0.9, 0.6, 0.5]\n[source]\ndata = "somewhere"\n'
@@ -183,7 +184,7 @@ def test_the_whitest_rough_surface_sends_back_no_more_than_arrives(kind):
     wo = spherical(np.radians([0.0, 30.0, 60.0, 75.0, 85.0, 89.0, 89.9]))
     for sigma in (0.0, 0.1, 0.2, 0.3, 0.45, 0.7, 1.0, np.pi / 2):
         preset = parse(ROUGH.replace("sigma", f'kind = "{kind}"\nsigma'), "a/r", "r")
-        white = preset.with_parameters(albedo=RANGES["albedo"][1], sigma=sigma).reference()
+        white = preset.with_parameters(albedo=parameter("albedo").high, sigma=sigma).reference()
         assert np.max(albedo(white, wo)) <= 1.0
 
 

@@ -10,7 +10,7 @@ from vgroove.addon.blender import material
 from vgroove.addon.library.presets import PresetError, find, parse
 from vgroove.addon.reference import CookTorrance, Dielectric, Lambert, OrenNayar, Schlick, Sum, albedo, spherical
 from vgroove.addon.reference.cook_torrance_albedo import quick_albedo
-from vgroove.addon.reference.estimators import quick_diffuse_share
+from vgroove.addon.reference.sum import quick_diffuse_share
 from vgroove.lab.check import rows as check
 from vgroove.lab.check import sum as check_sum
 from vgroove.nodegroups import cook_torrance_albedo

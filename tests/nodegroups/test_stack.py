@@ -7,8 +7,8 @@ from itertools import product
 import pytest
 
 from vgroove import headless
-from vgroove.addon.blender import gonio, lamps, material
-from vgroove.addon.blender.material import BUILDERS, Choice, build, lamps_to_bind
+from vgroove.addon.blender import choice, gonio, lamps, roles
+from vgroove.addon.blender.material import BUILDERS, Choice, build, lamps_to_bind, parameter_sockets
 from vgroove.addon.choose import advice
 from vgroove.addon.library import presets
 from vgroove.headless import stack_overflows
@@ -85,8 +85,8 @@ def textured(made):
 
     bump = tree.nodes.new("ShaderNodeBump")
     tree.links.new(noise(), bump.inputs["Height"])
-    tree.links.new(bump.outputs[0], material.roles.node(made, material.roles.MODEL).inputs["Normal"])
-    for socket in material.parameter_sockets(made).values():
+    tree.links.new(bump.outputs[0], roles.node(made, roles.MODEL).inputs["Normal"])
+    for socket in parameter_sockets(made).values():
         tree.links.new(noise(), socket)
 
 
@@ -151,7 +151,7 @@ def test_lights_that_have_no_room_are_named():
             item.data.energy = 10.0 - number
         preset, known = presets.find(MODELS["paint"]), lamps.followed(stage)
         bound = lamps_to_bind(stage, "corrected", "car_paint")
-        assert list(bound) == known[: material.MOST_LIGHTS["car_paint", "corrected"]]
+        assert list(bound) == known[: choice.most_lights("corrected", "car_paint")]
         (said,) = (p.text for p in advice.problems_with(stage, preset, "nodes", "corrected") if p.key == "limit")
         assert f"the {len(bound)} strongest lights" in said
         assert all(one.name in said for one in known[len(bound) :])

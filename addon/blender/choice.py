@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a preset becomes a material: backend, estimator, and the lights that it evaluates itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...nodegroups import versions
+from ..models import MODELS
+from ..models.estimators import ALL, EVERY_LIGHT, NATIVE
+from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
+from . import lamps as lamp_binding
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bpy.types import Scene
+
+    from .course import Play
+    from .lamps import Light
+
+BACKENDS = ("nodes", "osl")
+
+
+def most_lights(estimator: str, model: str) -> int:
+    """How many lights may be bound: eight, or as many as Cycles' stack of 255 floats has room for.
+
+    What outgrows it renders black. Measured with room to spare for an artist's own nodes; in 4.5, which keeps more on
+    it, without: test_stack.py.
+    """
+    spec = MODELS[model]
+    fewer = spec.most_lights if versions.since(5, 0) else spec.most_lights_4_5
+    return fewer.get(estimator, lamp_binding.LIMIT)
+
+
+def binds(estimator: str, lamp_size: float, model: str = "cook_torrance") -> bool:
+    """Whether a material by ``estimator`` evaluates the formula itself at a lamp of this size.
+
+    ``mirror`` and ``hybrid`` do so where it is 0, as their random rays cannot hit such a lamp; glass never does.
+    """
+    if MODELS[model].transparent:
+        return False
+    return estimator in EVERY_LIGHT or (estimator not in NATIVE and lamp_size == 0.0)
+
+
+def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") -> tuple[Light, ...]:
+    """The strongest lights that the material evaluates itself, as ``binds`` says for their size."""
+    if estimator in NATIVE or MODELS[model].transparent:
+        return ()
+    return bindable(lamp_binding.followed(scene), estimator, model)
+
+
+def bindable(lights: Sequence[Light], estimator: str, model: str) -> tuple[Light, ...]:
+    """Those of a scene's followed lights that the material evaluates itself."""
+    return tuple(one for one in lights if binds(estimator, lamp_binding.size(one.item), model))[
+        : most_lights(estimator, model)
+    ]
+
+
+class MaterialError(ValueError):
+    """Bad input in one line: what, where, how to mend it."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """How a preset becomes a material.
+
+    lamps: those that are evaluated by the formula: all of ``direct`` and ``corrected``, and beside ``mirror`` and
+    ``hybrid`` those of zero size, which no ray can hit. shadows: whether these lamps cast any.
+    bound: how much of the directional albedo ``hybrid`` may have wrong.
+    play: how the course of a preset that changes is played; without it the material stands still, at the start.
+    """
+
+    backend: str = "nodes"
+    estimator: str = "fit"
+    lamps: tuple[Light, ...] = ()
+    shadows: bool = True
+    bound: float = DEFAULT_BOUND
+    play: Play | None = None
+
+    def __post_init__(self) -> None:
+        for what, value, known in (("backend", self.backend, BACKENDS), ("estimator", self.estimator, ALL)):
+            if value not in known:
+                message = f'unknown {what} "{value}"; use one of {", ".join(known)}'
+                raise MaterialError(message)
+        if self.lamps and self.estimator in NATIVE:
+            message = f'"{self.estimator}" sees every lamp by itself; leave lamps empty'
+            raise MaterialError(message)
+        if len(self.lamps) > lamp_binding.LIMIT:
+            most = f"at most {lamp_binding.LIMIT} lamps, got {len(self.lamps)}; bind the strongest"
+            message = f'"{self.estimator}" binds {most}'
+            raise MaterialError(message)
+        low, high = BOUNDS
+        if not low <= self.bound <= high:
+            message = f"bound must be between {low:g} and {high:g} of the reflected light, got {self.bound:g}"
+            raise MaterialError(message)
+        for one in self.lamps:
+            if refused := lamp_binding.refusal(one):
+                raise MaterialError(refused)
+            if not one.number:
+                message = f"{one.name} has no place in the scene's rig; take lamps from lamps_to_bind"
+                raise MaterialError(message)

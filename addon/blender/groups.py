@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A preset by a choice -> its node group, from the modules of nodegroups/ that are named after the model."""
+
+from __future__ import annotations
+
+from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from ... import nodegroups
+from ...nodegroups import eevee, fit_table
+from ..models import MODELS
+from ..models.estimators import NATIVE
+from .choice import Choice, MaterialError, binds
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import ModuleType
+
+    from bpy.types import ShaderNodeTree
+
+    from ...nodegroups._tree import Tree
+    from ..library.presets import Preset
+
+
+def module_of(model: str, estimator: str) -> ModuleType:
+    """The module that builds a model's group by an estimator; of a model that is made of others it has one for all."""
+    name = model if MODELS[model].is_compound else f"{model}_{estimator}"
+    return import_module(f".{name}", nodegroups.__name__)
+
+
+# By model and estimator
+BUILDERS = {name: {one: module_of(name, one) for one in model.estimators} for name, model in MODELS.items()}
+
+
+def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
+    """The node group of the preset's model by this choice. MaterialError if the model has none so."""
+    known = BUILDERS[preset.model]
+    if choice.estimator not in known:
+        what = f'{preset.id} is {preset.model}, which has no estimator "{choice.estimator}"'
+        message = f"{what}; use one of {', '.join(known)}"
+        raise MaterialError(message)
+    if choice.lamps and not binds("direct", 0.0, preset.model):
+        message = f"{preset.id} is {preset.model}, which evaluates no lamps by itself; leave lamps empty"
+        raise MaterialError(message)
+    fit_table.restore()  # groups that are there already may have lost it
+    module, spec = known[choice.estimator], preset.spec
+    form = import_module(f".{preset.model}", nodegroups.__name__)
+    parts = {name: group_of(part, choice) for name, part in preset.parts().items()}
+    label, arguments = form.variant(preset, choice.estimator, parts) if parts else form.variant(preset)
+    build_group = module.build_osl if choice.backend == "osl" and not parts else module.build
+    if not (parts or spec.transparent or choice.estimator in NATIVE):
+        arguments["lamps"] = len(choice.lamps)
+    label = f"{module.NAME} {label}".strip()
+    if choice.lamps:
+        label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
+    build = partial(build_group, **arguments)
+    if choice.estimator != "closure":
+        build = partial(_with_eevee, build, group_of(preset, Choice("nodes", "closure")))
+    return nodegroups.ensure(label + suffix(choice), module.REVISION, build)
+
+
+def suffix(choice: Choice) -> str:
+    """What names of groups say of the backend."""
+    return " (OSL)" if choice.backend == "osl" else ""
+
+
+def _with_eevee(build_group: Callable[[Tree], None], closure: ShaderNodeTree, tree: Tree) -> None:
+    build_group(tree)
+    eevee.add_closure(tree, closure)

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cook-Torrance 1982: V-grooves of mirror facets, Beckmann-distributed. Reflection alone."""
+
+from ..reference import CookTorrance, Smooth
+from . import fresnel
+from .spec import Form, Model, Parameter
+
+SLOPE = Parameter(
+    "m", "Slope m", "RMS slope of the facets; Blender's Roughness is its square root", 0.3, 1e-4, 10.0,
+    unit="rms slope", native_high=1.0, is_roughness=True, zero_is_smooth=True, example="m = 0.3",
+)  # fmt: skip
+
+
+def _reference(form: Form, _parts: object) -> CookTorrance | Smooth:
+    F, m = fresnel.reference(form), form.parameters["m"]
+    return Smooth(F) if m == 0.0 else CookTorrance(m, F)
+
+
+MODEL = Model(
+    name="cook_torrance",
+    label="Cook-Torrance",
+    opening="Reflection of ",
+    parameters=(SLOPE,),
+    has_fresnel=True,
+    kinds=fresnel.LABELS,
+    reference=_reference,
+    most_lights_4_5={"corrected": 4},
+)

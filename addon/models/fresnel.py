@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The kinds of Fresnel term: what each takes, and the reference's class for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..reference import F82, Conductor, Dielectric, Fresnel, Schlick
+from .spec import Parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .spec import Form
+
+F0 = Parameter(
+    "f0", "F0", "Reflectance seen head-on, linear RGB", (0.04, 0.04, 0.04), 0.0, 1.0, socket="Color",
+)  # fmt: skip
+F82_TINT = Parameter(
+    "f82_tint", "F82 Tint", "Multiplies Schlick's formula at 82 degrees, near grazing; white leaves it as it is",
+    (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color",
+)  # fmt: skip
+ETA = Parameter(
+    "eta", "IOR", "Refractive index, inside over outside", 1.5, 0.1, 10.0, example="eta = 1.5",
+)  # fmt: skip
+N = Parameter(
+    "n", "n", "Refractive index for R, G and B", (0.27, 0.68, 1.32), 0.0, 20.0, socket="Vector",
+)  # fmt: skip
+K = Parameter(
+    "k", "k", "Extinction for R, G and B", (3.61, 2.62, 2.29), 0.0, 20.0, socket="Vector",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A Fresnel term. is_metal: no light passes to what lies below. says: where its numbers come from, in words."""
+
+    label: str
+    parameters: tuple[Parameter, ...]
+    make: Callable[..., Fresnel]
+    says: str
+    is_metal: bool = False
+
+
+KINDS = {
+    "schlick": Kind("Schlick", (F0,), Schlick, "Schlick's formula from F0"),
+    "dielectric": Kind("Dielectric", (ETA,), Dielectric, "exact, from the index of refraction"),
+    "conductor": Kind("Conductor", (N, K), Conductor, "exact, from n and k", is_metal=True),
+    "f82": Kind("F82", (F0, F82_TINT), F82, "Schlick's formula from F0, with a tint at 82 degrees", is_metal=True),
+}
+LABELS = {name: kind.label for name, kind in KINDS.items()}
+
+
+def reference(form: Form) -> Fresnel:
+    """F of the reference; KeyError of a form without a Fresnel term."""
+    kind = KINDS[form.kind]
+    numbers: dict[str, Any] = dict(form.parameters)
+    return kind.make(*(numbers[one.name] for one in kind.parameters))

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A transparent interface, rough or smooth, or a thin sheet: reflection and refraction by the facets of V-grooves."""
+
+from dataclasses import replace
+
+from ..reference import Glass
+from . import fresnel
+from .cook_torrance import SLOPE
+from .spec import Form, Model, Parameter
+
+TINT = Parameter(
+    "tint", "Tint", "Multiplies what passes", (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color", optional=True,
+)  # fmt: skip
+ABSORPTION = Parameter(
+    "absorption", "Absorption", "Of red, green and blue light, in 1/m: after d metres exp(-a d) of it is left",
+    (0.0, 0.0, 0.0), 0.0, 1e5, unit="1/m", socket="Color", optional=True, in_volume=True,
+)  # fmt: skip
+
+
+def _reference(form: Form, _parts: object) -> Glass:
+    of = form.parameters
+    return Glass(of["m"], of["eta"], of["tint"], thin=form.kind == "thin")
+
+
+MODEL = Model(
+    name="glass",
+    label="Glass",
+    opening="Transparent ",
+    parameters=(replace(SLOPE, default=0.1), fresnel.ETA, TINT, ABSORPTION),
+    kinds={"interface": "", "thin": "Thin"},
+    estimators=("closure", "mirror"),
+    reference=_reference,
+    solid=lambda form: form.parameters["tint"],
+    transparent=True,
+    smooth_estimator="mirror",
+    of_cycles=lambda _estimator, backend: backend == "osl",  # 5.3's OSL turns the IOR of back faces itself
+)

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Oren-Nayar 1994: V-grooves of Lambertian facets. A rough diffuse surface."""
+
+from math import pi
+
+from ..reference import OrenNayar
+from .estimators import BORROWING
+from .spec import Form, Model, Parameter
+
+# White as published sends back up to 1.051 of what arrives; below 0.95 no direction exceeds 1.
+ALBEDO = Parameter(
+    "albedo", "Base Color", "Albedo of a facet, linear RGB, 0 to 1", (0.8, 0.8, 0.8), 0.0, 0.95,
+    socket="Color", example="albedo = [0.5, 0.5, 0.5]",
+)  # fmt: skip
+SIGMA = Parameter(
+    "sigma", "Sigma", "Standard deviation of the facets' tilt; 0 is Lambert", 0.3, 0.0, pi / 2,
+    unit="rad", subtype="ANGLE", example="sigma = 0.3",
+)  # fmt: skip
+
+
+def _reference(form: Form, _parts: object) -> OrenNayar:
+    return OrenNayar(form.parameters["albedo"], form.parameters["sigma"], qualitative=form.kind == "qualitative")
+
+
+MODEL = Model(
+    name="oren_nayar",
+    label="Oren-Nayar",
+    opening="Rough ",
+    parameters=(ALBEDO, SIGMA),
+    kinds={"full": "Full", "qualitative": "Qualitative"},
+    reference=_reference,
+    solid=lambda form: form.parameters["albedo"],
+    is_diffuse=True,
+    upright=frozenset({"fit"}),
+    of_cycles=lambda estimator, _backend: estimator in BORROWING,  # 5.3's own Oren-Nayar is another
+    most_lights_4_5={"corrected": 6},
+)

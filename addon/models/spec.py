@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What describes a model: its parameters, its form, and what each layer asks of it. Imports no bpy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+Number = float | tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of a model, wherever it appears: in files, sockets, shaders, the panel and on the command line.
+
+    name: in files and the reference. label: in Blender. unit: as people read it; "" where it has none.
+    low, high: its range; of RGB that of each channel. native_high: up to where Cycles' own closures take it.
+    default: what a socket shows first; three numbers make the parameter RGB.
+    socket, subtype: Blender's, for the socket.
+    optional: a file may leave it out. is_roughness: it spreads the reflected light, and its keys run in ratios.
+    in_volume: it belongs to the body, not to its surface.
+    zero_is_smooth: 0, which lies below the range, stands for a smooth interface.
+    example: for the message that says it is missing.
+    """
+
+    name: str
+    label: str
+    tip: str
+    default: Number
+    low: float
+    high: float
+    unit: str = ""
+    socket: Literal["Float", "Color", "Vector"] = "Float"
+    subtype: str = "NONE"
+    native_high: float | None = None
+    optional: bool = False
+    is_roughness: bool = False
+    in_volume: bool = False
+    zero_is_smooth: bool = False
+    example: str = ""
+
+    @property
+    def is_rgb(self) -> bool:
+        return isinstance(self.default, tuple)
+
+    def held(self, value: Number) -> Number:
+        """``value`` as a socket can hold it: a smooth interface is the least roughness."""
+        return max(value, self.low) if self.zero_is_smooth and isinstance(value, float) else value
+
+
+class Form(Protocol):
+    """The form of a preset, which models decide by: kind, coupled or not, numbers by name (those of lobe k as m_k)."""
+
+    @property
+    def model(self) -> str: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def coupled(self) -> bool: ...
+    @property
+    def parameters(self) -> Mapping[str, Any]: ...
+
+
+@dataclass(frozen=True)
+class Model:
+    """One lighting model. What it lacks keeps its default.
+
+    name: in files, and of its files in each layer: reference/NAME.py, nodegroups/NAME*.py, osl/NAME*.osl.
+    label: in Blender. opening: how the tip of a preset begins.
+    parameters: its own, in the order of its sockets; a Fresnel term's come beside them.
+    kinds: the forms it has, with their labels; the first is the default. Of ``has_fresnel``: the Fresnel kinds.
+    flags: what is true or false of a preset; false where the file does not say.
+    parts: name and model of what it is made of. lobes: parameters of one lobe, ``lobe_model`` of it, at most so many.
+    estimators: those it has, of ``estimators.ESTIMATORS``.
+    reference: (form, its parts' references by name) -> the model of the reference.
+    flaw: what is wrong with a preset's numbers together, as the rest of a line; "" where nothing is.
+    account: (what, why) of each thing that a material of it holds, for ``vgroove explain``.
+    solid: RGB that a viewport without shaders shows, head-on; None where that is its Fresnel term's.
+    is_diffuse: whether it has a diffuse part. mirrors: whether Mirror mirrors all of it, so that denoisers see that.
+    smooth_estimator: what is exact where m = 0, and draws nothing at random there.
+    upright: estimators whose closures stand on the shading normal, beside ``estimators.UPRIGHT``.
+    of_cycles: (estimator, backend) -> whether what is built depends on which Cycles it is for.
+    most_lights: by estimator, how many lights fit on Cycles' stack, where eight do not; and in Blender 4.5.
+    """
+
+    name: str
+    label: str
+    opening: str
+    parameters: tuple[Parameter, ...]
+    reference: Callable[[Form, dict[str, Any]], Any]
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    has_fresnel: bool = False
+    flags: tuple[str, ...] = ()
+    parts: tuple[tuple[str, str], ...] = ()
+    lobes: tuple[Parameter, ...] = ()
+    lobe_model: str = ""
+    most_lobes: int = 0
+    estimators: tuple[str, ...] = ("fit", "closure", "corrected", "hybrid", "mirror", "direct")
+    flaw: Callable[[Form], str] = lambda _form: ""
+    account: Callable[[Form], Iterable[tuple[str, str]]] | None = None
+    solid: Callable[[Form], tuple[float, ...]] | None = None
+    transparent: bool = False
+    anisotropic: bool = False
+    is_diffuse: bool = False
+    mirrors: bool = True
+    smooth_estimator: str = ""
+    upright: frozenset[str] = frozenset()
+    of_cycles: Callable[[str, str], bool] = lambda _estimator, _backend: False
+    most_lights: Mapping[str, int] = field(default_factory=dict)
+    most_lights_4_5: Mapping[str, int] = field(default_factory=dict)
+
+    def parameter(self, name: str) -> Parameter:
+        """The parameter of this name; KeyError if the model has none of its own so called."""
+        return {one.name: one for one in (*self.parameters, *self.lobes)}[name]
+
+    @property
+    def is_compound(self) -> bool:
+        """Whether its group holds the groups of other models."""
+        return bool(self.parts)

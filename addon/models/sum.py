@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A diffuse part under a specular one: f = d f_diffuse + s f_specular (Cook & Torrance 1982).
+
+Coupled, the diffuse part gets what the specular one leaves.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..reference import Sum
+from . import coat, cook_torrance, fresnel, oren_nayar
+from .spec import Form, Model, Parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+TOGETHER = "; both together at most 1, or more light leaves than arrives"
+D = Parameter(
+    "d", "Diffuse", "Share of the diffuse part" + TOGETHER, 0.5, 0.0, 1.0, subtype="FACTOR", example="d = 0.6",
+)  # fmt: skip
+S = Parameter(
+    "s", "Specular", "Share of the specular part" + TOGETHER, 0.5, 0.0, 1.0, subtype="FACTOR", example="s = 0.4",
+)  # fmt: skip
+
+
+def _reference(form: Form, parts: dict[str, Any]) -> Sum:
+    return Sum(parts["diffuse"], parts["specular"], form.parameters["d"], form.parameters["s"], form.coupled)
+
+
+def _flaw(form: Form) -> str:
+    if form.coupled:
+        return coat.flaw("a coupled sum", form)
+    d, s = form.parameters["d"], form.parameters["s"]
+    if d + s > 1.0 + 1e-9:
+        return f"d + s must be at most 1, or more light would leave than arrives; got {d:g} + {s:g}"
+    return ""
+
+
+def _account(form: Form) -> Iterator[tuple[str, str]]:
+    d, s = form.parameters["d"], form.parameters["s"]
+    yield (
+        "diffuse part: oren_nayar",
+        f"{d:g} of what the specular part leaves" if form.coupled else f"{d:g} of the light",
+    )
+    yield "specular part: cook_torrance", f"{s:g} of the light"
+
+
+MODEL = Model(
+    name="sum",
+    label="Sum",
+    opening="",
+    parameters=(D, S, *oren_nayar.MODEL.parameters, *cook_torrance.MODEL.parameters),
+    has_fresnel=True,
+    kinds=fresnel.LABELS,
+    flags=("coupled",),
+    parts=(("diffuse", "oren_nayar"), ("specular", "cook_torrance")),
+    reference=_reference,
+    flaw=_flaw,
+    account=_account,
+    solid=lambda form: form.parameters["albedo"],
+    is_diffuse=True,
+    most_lights_4_5={"corrected": 5},
+)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A body that scatters light below its surface, under a coat of V-grooves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..reference import Lambert, Sum
+from . import coat, cook_torrance, fresnel
+from .spec import Form, Model, Parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+REFLECTANCE = Parameter(
+    "reflectance", "Reflectance",
+    "Diffuse reflectance: what a large, evenly lit body sends back of the light that enters it",
+    (0.8, 0.8, 0.8), 0.0, 1.0, socket="Color", example="reflectance = [0.8, 0.7, 0.6]",
+)  # fmt: skip
+MEAN_FREE_PATH = Parameter(
+    "mean_free_path", "Mean Free Path", "Of red, green and blue light, in metres: how far it goes between two turns",
+    (1e-3, 1e-3, 1e-3), 0.0, 10.0, unit="m", socket="Vector",
+    example="mean_free_path = [0.001, 0.001, 0.001] (metres)",
+)  # fmt: skip
+
+
+def _reference(form: Form, parts: dict[str, Any]) -> Sum:
+    """As a large body looks under even light."""
+    return Sum(Lambert(form.parameters["reflectance"]), parts["specular"], 1.0, 1.0, coupled=True)
+
+
+def _account(_form: Form) -> Iterator[tuple[str, str]]:
+    yield "body: Cycles' subsurface scattering", "of what the coat lets in, the same for all estimators"
+    yield "coat: cook_torrance", "all of the light that it mirrors"
+
+
+MODEL = Model(
+    name="translucent",
+    label="Translucent",
+    opening="",
+    parameters=(REFLECTANCE, MEAN_FREE_PATH, *cook_torrance.MODEL.parameters),
+    has_fresnel=True,
+    kinds=fresnel.LABELS,
+    parts=(("specular", "cook_torrance"),),
+    estimators=("fit", "closure", "corrected", "hybrid", "mirror"),
+    reference=_reference,
+    flaw=lambda form: coat.flaw("a translucent body", form),
+    account=_account,
+    solid=lambda form: form.parameters["reflectance"],
+    is_diffuse=True,
+    mirrors=False,
+    most_lights_4_5={"corrected": 4},
+)
