@@ -256,7 +256,7 @@ def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
     row = check.direct_row(check.SETUPS[0], "schlick", 0.3)
     for factor, code in ((1.0, 0), (1.01, 1)):
         monkeypatch.setattr(check_all, "plan", lambda factor=factor: [(row.scaled, (factor,))])
-        assert cli._run(lambda: cli.app(["check"], standalone_mode=False)) == code
+        assert cli.run(lambda: cli.app(["check"], standalone_mode=False)) == code
 
 
 def test_explain_says_what_is_built_and_what_is_not():
