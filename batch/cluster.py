@@ -16,6 +16,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from ..addon.library.errors import InputError
 from ..headless import memory
 from .child import Child, ChildLostError, sweep
 from .outcome import Outcome
@@ -31,8 +32,8 @@ PATIENCE = 10  # seconds for a scheduler to answer
 ADDRESS = re.compile(r"(tcp|tls|wss?)://[^\s/]+:([0-9]{1,5})", re.ASCII)
 
 
-class ClusterError(ValueError):
-    """A cluster that cannot be used, in one line: what, where, how to mend it."""
+class ClusterError(InputError):
+    """A cluster that cannot be used."""
 
 
 def connected(address: str) -> Any:

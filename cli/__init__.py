@@ -4,19 +4,22 @@
 from __future__ import annotations
 
 import errno
+import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
+from typer.exceptions import TyperException
 
-from ..addon.library.inputs import InputError
+from ..addon.library.errors import InputError
 from . import batch, check, explain, gallery, measure, presets, render, report
 from .terminal import fail
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-INTERRUPTED = 130  # exit code, as shells have it
+INTERRUPTED, CLOSED_PIPE = 130, 141  # exit codes, as shells have them
 BROKEN_MACHINE = {errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ENOMEM, errno.EMFILE}  # no fault of the input
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__, rich_markup_mode=None)
@@ -34,7 +37,12 @@ def main() -> None:
     """Entry of the ``vgroove`` command; turns every expected failure into one line and its exit code."""
     for stream in (sys.stdout, sys.stderr):  # a terminal that has no letter for something shows its number
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-    sys.exit(run(lambda: app(prog_name="vgroove", standalone_mode=False)))
+    try:
+        code = run(lambda: app(prog_name="vgroove", standalone_mode=False))
+    except (SystemExit, BrokenPipeError):  # so typer and rich end when nobody reads their output any more
+        _discard_output()
+        code = CLOSED_PIPE
+    sys.exit(code)
 
 
 def run(command: Callable[[], Any]) -> int:
@@ -42,31 +50,23 @@ def run(command: Callable[[], Any]) -> int:
     try:
         code = command() or 0
         sys.stdout.flush()
-        return fail("interrupted", INTERRUPTED) if code == INTERRUPTED else code  # typer keeps the exception to itself
+    except BrokenPipeError:  # no failure: ``main`` ends quietly
+        raise
     except (typer.Abort, KeyboardInterrupt):
-        return fail("interrupted", INTERRUPTED)
+        code = INTERRUPTED
     except MemoryError:
         return fail("out of memory; choose a smaller --resolution, or fewer --workers", 3)
-    except Exception as error:
-        code = _exit_code(error)
-        if not code:
-            raise
-        return fail(error.format_message() if hasattr(error, "format_message") else str(error), code)
+    except TyperException as error:
+        return fail(error.format_message(), 2)
+    except (InputError, OSError) as error:
+        return fail(str(error), 3 if getattr(error, "errno", None) in BROKEN_MACHINE else 2)
+    except RuntimeError as error:  # from Blender itself
+        return fail(str(error), 3)
+    return fail("interrupted", INTERRUPTED) if code == INTERRUPTED else code  # typer keeps the exception to itself
 
 
-def _exit_code(error: Exception) -> int:
-    """The exit code of a failure that is expected; 0 for others, which are faults of ours."""
-    if isinstance(error, OSError):
-        return 3 if error.errno in BROKEN_MACHINE else 2
-    if isinstance(error, InputError) or hasattr(error, "format_message"):  # a usage error of the parser
-        return 2
-    if type(error).__name__ in {
-        "ClusterError",
-        "MaterialError",
-        "AnimationError",
-        "SceneError",
-        "OslError",
-        "ReportError",
-    }:  # their modules need Blender
-        return 2
-    return 3 if isinstance(error, RuntimeError) else 0  # from Blender itself
+def _discard_output() -> None:
+    """Let what is still buffered go nowhere, or Python would complain about the closed pipe as it exits."""
+    with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(nowhere.fileno(), stream.fileno())

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..addon.library.inputs import MOST_MEGABYTES, MOST_WORKERS, InputError
+from ..addon.library.errors import InputError
+from ..addon.library.inputs import MOST_MEGABYTES, MOST_WORKERS
 from .environment import make_folder_of, versions
 from .options import real, whole
 from .terminal import out, progress, say

@@ -8,8 +8,8 @@ import tempfile
 from importlib.metadata import version
 from pathlib import Path
 
+from ..addon.library.errors import InputError
 from ..addon.library.files import check_writable, is_plain
-from ..addon.library.inputs import InputError
 from .terminal import warn
 
 

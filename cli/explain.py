@@ -12,7 +12,8 @@ import typer
 from rich.table import Table
 
 from ..addon.library import presets
-from ..addon.library.inputs import MOST_SAMPLES, InputError
+from ..addon.library.errors import InputError
+from ..addon.library.inputs import MOST_SAMPLES
 from ..batch.job import PREVIEW_SAMPLES
 from .environment import start_blender
 from .options import Backend, BackendOption, Estimator, PresetArgument, SetOption, apply_settings, whole

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from ..addon.library.errors import InputError
 from ..addon.library.files import check_writable
-from ..addon.library.inputs import InputError
 from .environment import start_blender
 from .terminal import progress, say
 

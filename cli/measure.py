@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..addon.library import presets
+from ..addon.library.errors import InputError
 from ..addon.library.files import check_writable, replacing
-from ..addon.library.inputs import InputError
 from ..addon.reference.hybrid import DEFAULT_BOUND
 from .environment import start_blender, versions
 from .options import (

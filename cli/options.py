@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from ..addon.library import inputs
-from ..addon.library.inputs import MOST_SAMPLES, MOST_SEED, InputError
+from ..addon.library.errors import InputError
+from ..addon.library.inputs import MOST_SAMPLES, MOST_SEED
 from ..addon.reference.hybrid import BOUNDS
 
 if TYPE_CHECKING:

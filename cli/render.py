@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..addon.library import inputs, presets
+from ..addon.library.errors import InputError
 from ..addon.library.files import check_writable
-from ..addon.library.inputs import MOST_SAMPLES, InputError
+from ..addon.library.inputs import MOST_SAMPLES
 from ..addon.reference.hybrid import DEFAULT_BOUND
 from ..addon.reference.keyframes import TOLERANCE
 from ..batch.job import PREVIEW_SAMPLES, PREVIEW_SIZE, digest_of

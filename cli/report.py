@@ -14,7 +14,7 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
-from ..addon.library.inputs import InputError
+from ..addon.library.errors import InputError
 from .environment import make_folder_of, require_packages, start_blender, versions
 from .terminal import out, progress, say
 
@@ -197,7 +197,7 @@ def _damage_named(*sources: Path) -> Iterator[None]:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)  # a square root of -1, or a mean of nothing
             yield
-    except (OSError, MemoryError, InputError, ReportError):
+    except (OSError, MemoryError, InputError):
         raise
     except Exception as error:
         message = f"{' or '.join(map(str, sources))}: not as this vgroove writes it"

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..addon.blender.colour_update import refresh_all
 from ..addon.blender.follow import refresh
+from ..addon.library.errors import InputError
 from ..addon.library.files import one_root, replacing
 from ..nodegroups import versions
 
@@ -24,8 +25,8 @@ SIMULATIONS = {"GeometryNodeSimulationOutput", "GeometryNodeBake"}
 FORMATS = {".exr": "OPEN_EXR", ".png": "PNG"}
 
 
-class SceneError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+class SceneError(InputError):
+    """A scene that cannot be opened, assigned to or rendered as asked."""
 
 
 def blender_folders() -> list[Path]:

@@ -17,6 +17,7 @@ import numpy as np
 from ... import nodegroups
 from ...nodegroups import trajectory as trajectory_group
 from ...nodegroups.trajectory import AGE, OFFSET, RATE
+from ..library.errors import InputError
 from ..library.timeline import plain
 from ..reference.keyframes import TOLERANCE, TOLERANCES, Keyframes, place_keys
 from ..reference.trajectory import Keys, Trajectory, local_age
@@ -40,8 +41,8 @@ LENGTHS = (1e-6, 1e9)  # frames
 LONGEST_NAME = 55  # Blender keeps 63 bytes of a name, and may add a number
 
 
-class AnimationError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+class AnimationError(InputError):
+    """A course that cannot be played, or changed as asked."""
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,7 @@ from ...nodegroups import (
 )
 from ...nodegroups import sum as sum_group
 from ..library.checks import M_RANGE, base_name
+from ..library.errors import InputError
 from ..library.presets import TRANSPARENT, Preset
 from ..library.timeline import Timeline
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
@@ -120,8 +121,8 @@ def bindable(lights: Sequence[Light], estimator: str, model: str) -> tuple[Light
     return tuple(one for one in lights if binds(estimator, lamp_binding.size(one.item), model))[:most]
 
 
-class MaterialError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+class MaterialError(InputError):
+    """A material that cannot be built or changed as asked."""
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ...nodegroups import fit_table, lamp, versions
-from ...nodegroups.osl_script import OslError
 from ..blender import facts, lamps, rays
-from ..blender.material import BUILDERS, EVERY_LAMP, NATIVE, RANDOM, MaterialError, binds, locked
+from ..blender.material import BUILDERS, EVERY_LAMP, NATIVE, RANDOM, binds, locked
 from ..blender.rebuild import is_of_other_cycles, rebuild
+from ..library.errors import InputError
 from ..library.presets import TRANSPARENT
 from ..reference import cycles
 
@@ -172,7 +172,7 @@ def _update_all(found: Sequence[Material], scene: Scene) -> None:
     for made in found:
         try:
             rebuild(made, scene)
-        except (MaterialError, OslError) as error:
+        except InputError as error:
             refused = refused or error
     if refused:
         raise refused

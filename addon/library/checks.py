@@ -7,7 +7,8 @@ import difflib
 from math import inf, pi
 from typing import Any
 
-from .inputs import InputError, shown
+from .errors import InputError
+from .inputs import shown
 
 LONGEST_MESSAGE = 400  # characters
 M_RANGE = (1e-4, 10.0)  # what float32 shaders keep finite; 0 stands for a smooth interface
@@ -26,9 +27,9 @@ RGB = {"f0", "f82_tint", "n", "k", "albedo", "tint", "absorption", "reflectance"
 
 
 class PresetError(InputError):
-    """Bad input in one line: what, where, how to mend it.
+    """A preset that does not hold, or does not exist.
 
-    Whatever a file holds stays one line of at most ``LONGEST_MESSAGE`` characters that a terminal shows as they are.
+    Whatever a file holds, the text stays one line of at most ``LONGEST_MESSAGE`` printable characters.
     """
 
     def __init__(self, message: str) -> None:

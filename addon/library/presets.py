@@ -55,8 +55,9 @@ from ..reference import (
 )
 from . import timeline
 from .checks import PresetError, as_in_range, as_number, as_typed, base_name, check_key
+from .errors import InputError
 from .files import FileError, read_text
-from .inputs import InputError, shown, toml
+from .inputs import shown, toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ...nodegroups.osl_script import OslError
 from ...nodegroups.trajectory import AGE, OFFSET, RATE
 from ..blender import course as animation
 from ..blender import material
 from ..library import presets
 from ..library import writing as preset_files
-from ..library.checks import PresetError
+from ..library.errors import InputError
 from ..reference.keyframes import TOLERANCE, TOLERANCES
 from . import properties
 from .text import lines
@@ -68,7 +67,7 @@ class _Course:
                 material.upgrade(one)
                 animation.make_own(one)
                 self.do(context, one)
-        except (animation.AnimationError, PresetError, material.MaterialError, OslError) as error:
+        except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         context.scene.frame_set(context.scene.frame_current, subframe=context.scene.frame_subframe)  # shows the change
