@@ -45,8 +45,7 @@ from ..library.errors import InputError
 from ..library.presets import TRANSPARENT, Preset
 from ..library.timeline import Timeline
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
-from . import colour_space, origin, roles
-from . import course as animation
+from . import colour_space, course, origin, roles
 from . import lamps as lamp_binding
 from .origin import Record
 
@@ -283,8 +282,8 @@ def animate(material: Material, record: Record) -> None:
     """Have the material play its preset's course, where it plays one."""
     if record.play is not None:
         preset, sockets = record.preset, parameter_sockets(material)
-        course = colour_space.course(preset.trajectory(), preset.parameters, colour_space.matrix())
-        animation.animate(material, sockets, course, record.play, preset.name, record.backend)
+        laws = colour_space.course(preset.trajectory(), preset.parameters, colour_space.matrix())
+        course.animate(material, sockets, laws, record.play, preset.name, record.backend)
 
 
 def absorbs(preset: Preset) -> bool:
@@ -421,12 +420,12 @@ def is_edited(material: Material) -> bool:
 
 def curves(material: Material) -> list[FCurve]:
     """The F-curves that play the course of a material."""
-    return animation.curves_of(material, parameter_sockets(material).values())
+    return course.curves_of(material, parameter_sockets(material).values())
 
 
 def plays(material: Material) -> bool:
     """Whether a material changes over time."""
-    return bool(curves(material)) or animation.trajectory_node(material) is not None
+    return bool(curves(material)) or course.trajectory_node(material) is not None
 
 
 def preset_of(material: Material) -> Preset:
@@ -444,7 +443,7 @@ def to_preset(material: Material) -> Preset:
     known = record.preset.time or Timeline("share", 0.0, 1.0, "authored", {})
     laws: dict[str, dict[str, Any]] = {}
     starts: dict[str, Any] = {}
-    courses = animation.courses(material, parameter_sockets(material))
+    courses = course.courses(material, parameter_sockets(material))
     for name, keys in colour_space.courses(courses, values_of(material), colour_space.of(material)).items():
         times = (known.start + keys.times * (known.end - known.start)).tolist()
         values = [tuple(of) if isinstance(of, list) else of for of in keys.values.tolist()]
@@ -466,7 +465,7 @@ def play(material: Material, how: Play) -> None:
         message = f"{material.name}: its node group was deleted; press Reset to Preset, which makes it again"
         raise MaterialError(message)
     edited = is_edited(material)
-    animation.remove(material, parameter_sockets(material))
+    course.remove(material, parameter_sockets(material))
     record = replace(record, play=how)
     animate(material, record)
     origin.write(material, record if edited else replace(record, state=state_of(material)))
@@ -475,7 +474,7 @@ def play(material: Material, how: Play) -> None:
 def stop(material: Material) -> None:
     """Take a material's course away; it stays as the current frame shows it."""
     record = upgrade(material)
-    animation.remove(material, parameter_sockets(material))
+    course.remove(material, parameter_sockets(material))
     origin.write(material, replace(record, play=None))
 
 
@@ -501,8 +500,8 @@ def state_of(material: Material) -> str:
     for curve in found:
         keys = [[round(float(part), 5) for part in point.co] for point in curve.keyframe_points]
         values.append([CURVE, *inputs[curve.data_path][:2], curve.array_index, keys])
-    if (course := animation.trajectory_node(material)) is not None:
-        values.append([TRAJECTORY, str(trajectory.keys_of(course.node_tree))])
+    if (node := course.trajectory_node(material)) is not None:
+        values.append([TRAJECTORY, str(trajectory.keys_of(node.node_tree))])
     moving, rec709 = {curve.data_path for curve in found}, _in_rec709(material)
     for path, (node, name, socket) in inputs.items():
         value = rec709.get(socket.path_from_id(), getattr(socket, "default_value", None))
@@ -538,8 +537,8 @@ def _state_1(material: Material) -> str:
     for curve in found:
         keys = [[round(float(part), 5) for part in point.co] for point in curve.keyframe_points]
         values.append([curve.data_path, curve.array_index, keys])
-    if (course := animation.trajectory_node(material)) is not None:
-        values.append(str(trajectory.keys_of(course.node_tree)))
+    if (node := course.trajectory_node(material)) is not None:
+        values.append(str(trajectory.keys_of(node.node_tree)))
     for node in sorted(material.node_tree.nodes, key=lambda node: node.name):
         for socket in node.inputs:
             driven = node.label.startswith("Lamp") or f"{socket.path_from_id()}.default_value" in moving

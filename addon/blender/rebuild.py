@@ -16,8 +16,7 @@ import bpy
 from ... import nodegroups
 from ...nodegroups import eevee
 from ..reference import cycles
-from . import colour_space, colour_update, material, origin, roles
-from . import course as animation
+from . import colour_space, colour_update, course, fcurves, material, origin, roles
 from .material import Choice, lamps_to_bind
 
 if TYPE_CHECKING:
@@ -71,13 +70,13 @@ def reset(made: Material, scene: Scene) -> list[str]:
         record = material.upgrade(made)
     sockets = material.parameter_sockets(made)
     if record.play is not None:
-        animation.remove(made, sockets)
+        course.remove(made, sockets)
     numbers = material.numbers_of(record.preset)
     for name, socket in sockets.items():
         material.set_input(socket, numbers[name])
     material.animate(made, record)
     material.show_in_solid_view(made, record.preset)
-    ours = animation.trajectory_node(made)
+    ours = course.trajectory_node(made)
     courses = {curve.data_path for curve in material.curves(made)} if record.play is None else set()
     drivers = {curve.data_path for curve in _drivers(made.node_tree)}
     for socket in sockets.values():
@@ -123,7 +122,7 @@ def _as_new(preset: Preset, choice: Choice) -> str:
         return material.state_of(new)
     finally:
         if roles.node(new, roles.TRAJECTORY) is not None:
-            animation.remove(new, material.parameter_sockets(new))  # the group is the material's own
+            course.remove(new, material.parameter_sockets(new))  # the group is the material's own
         elif (action := _action(new)) is not None:
             bpy.data.actions.remove(action)
         bpy.data.materials.remove(new)
@@ -182,7 +181,7 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree) -> list[str]:
     """Give the node another group. Blender matches sockets by their numbers; here they keep what their names had."""
     if node.node_tree == group:
         return []
-    animation.make_own(made)
+    fcurves.make_own(made)
     tree, before = made.node_tree, nodegroups.inputs(node)
     kept = {name: _Input(socket) for name, socket in before.items()}
     outputs = [(socket.name, [link.to_socket for link in socket.links]) for socket in node.outputs]

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...nodegroups import eevee
-from ..blender import course as animation
-from ..blender import facts
+from ..blender import course, facts
 from ..blender.course import Play
 from ..blender.material import NATIVE, RANDOM, Choice, absorbs, build
 from . import automatic
@@ -137,7 +136,7 @@ def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
     if preset.time is None:
         yield Line("time", "the preset does not change: no drivers of time, no keys", kept=False)
     else:
-        of, keys = preset.time, animation.keyframes(preset.trajectory(), Play())
+        of, keys = preset.time, course.keyframes(preset.trajectory(), Play())
         counts = ", ".join(f"{name} {found.times.size}" for name, found in keys.items())
         why = f"a still shows one moment of {of.start:g} to {of.end:g} {of.unit}; a sequence plays keys: {counts}"
         yield Line(f"course over time ({of.kind})", why, kept=False)

@@ -28,7 +28,7 @@ import bpy
 import numpy as np
 
 from ... import nodegroups
-from ...addon.blender import course as animation
+from ...addon.blender import course
 from ...addon.blender import lamps as lamp_binding
 from ...addon.blender.material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
 from ...addon.library.checks import M_RANGE, base_name
@@ -125,7 +125,7 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
         switches["smooth"] = float(preset.m == 0.0)
         if play is not None:
             switches["age"] = age
-            keys = {_universal_name(n): of for n, of in animation.keyframes(preset.trajectory(), play).items()}
+            keys = {_universal_name(n): of for n, of in course.keyframes(preset.trajectory(), play).items()}
     if preset is not None and preset.kind == "thin":
         values["absorption"] = BLACK  # a sheet has no inside
     found: dict[str, Any] = {_property(name): value for name, value in switches.items()}
