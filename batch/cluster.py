@@ -18,7 +18,8 @@ from urllib.parse import urlsplit
 
 from ..addon.library.errors import InputError
 from ..headless import memory
-from .child import Child, ChildLostError, sweep
+from ..headless.pipe import LostError
+from .child import Child, sweep
 from .outcome import Outcome
 from .pool import Limits, Tries
 
@@ -147,7 +148,7 @@ def render_on_worker(
         try:
             child = child or Child(folder, versions, limit.threads)
             found = child.run(task, limit.timeout, limit.memory)
-        except ChildLostError as error:
+        except LostError as error:
             if child is not None:
                 child.close()
             return Outcome(task.identity(versions), "stumbled", reason=str(error))

@@ -12,7 +12,7 @@ from vgroove.addon.library.files import FileError
 
 ROOT = Path(__file__).parent.parent.parent
 ROOMS = ("addon", "nodegroups", "headless", "lab", "batch", "cli")
-LOST_PROCESSES = {"ChildLostError", "PeerError", "LostError"}  # no fault of the input
+LOST_PROCESSES = {"LostError", "PeerError"}  # no fault of the input
 
 
 def test_errors_derive_from_the_one_base():
