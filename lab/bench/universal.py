@@ -24,7 +24,6 @@ from functools import partial
 from math import pi
 from typing import TYPE_CHECKING, Any
 
-import bpy
 import numpy as np
 
 from ... import nodegroups
@@ -184,8 +183,7 @@ def build(choice: Choice, parts: Sequence[str] = PARTS) -> Material:
     The lamps that ``choice`` lacks of eight are suns of no strength.
     """
     form = form_of(choice)
-    made = bpy.data.materials.new(f"Universal ({form.estimator.title()})")
-    versions.nodes_of(made).nodes.clear()
+    made = versions.empty_material(f"Universal ({form.estimator.title()})")
     output = made.node_tree.nodes.new("ShaderNodeOutputMaterial")
     _add(made, output, choice, parts)
     made.cycles.use_bump_map_correction = form.estimator in UPRIGHT
