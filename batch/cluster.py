@@ -16,8 +16,10 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from ..addon.library.errors import InputError
 from ..headless import memory
-from .child import Child, ChildLostError, sweep
+from ..headless.pipe import LostError
+from .child import Child, sweep
 from .outcome import Outcome
 from .pool import Limits, Tries
 
@@ -31,8 +33,8 @@ PATIENCE = 10  # seconds for a scheduler to answer
 ADDRESS = re.compile(r"(tcp|tls|wss?)://[^\s/]+:([0-9]{1,5})", re.ASCII)
 
 
-class ClusterError(ValueError):
-    """A cluster that cannot be used, in one line: what, where, how to mend it."""
+class ClusterError(InputError):
+    """A cluster that cannot be used."""
 
 
 def connected(address: str) -> Any:
@@ -146,7 +148,7 @@ def render_on_worker(
         try:
             child = child or Child(folder, versions, limit.threads)
             found = child.run(task, limit.timeout, limit.memory)
-        except ChildLostError as error:
+        except LostError as error:
             if child is not None:
                 child.close()
             return Outcome(task.identity(versions), "stumbled", reason=str(error))

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..addon.library import presets
 from ..addon.library.checks import PresetError, as_typed, check_key
+from ..addon.library.errors import InputError
 from ..addon.library.files import FileError, check_regular, one_root, read_text
-from ..addon.library.inputs import MOST_SAMPLES, MOST_SEED, InputError, frame_range, shown, size, toml
+from ..addon.library.inputs import MOST_SAMPLES, MOST_SEED, frame_range, shown, size, toml
 from ..addon.library.inputs import name as name_in_blend
 from ..addon.models import PARAMETERS, base_name, estimators, parameter
 from ..addon.reference.hybrid import BOUNDS, DEFAULT_BOUND
@@ -49,7 +50,7 @@ TOP = ("render",)
 
 
 class JobError(PresetError):
-    """A job file that does not hold, in one line: what, where, how to mend it."""
+    """A job file that does not hold."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ..headless import memory as memory_of
-from .child import Child, ChildLostError, sweep, sweep_scratch
+from ..headless.pipe import LostError
+from .child import Child, sweep, sweep_scratch
 from .outcome import Outcome
 
 if TYPE_CHECKING:
@@ -130,7 +131,7 @@ class _Pool:
                 try:
                     child = child or self._begin()
                     found = child.run(task, self.limit.timeout, self.limit.memory)
-                except ChildLostError as error:
+                except LostError as error:
                     if child is None or self._stopped:  # none could be begun
                         raise
                     self._end(child)
@@ -176,11 +177,11 @@ class _Pool:
         for number in range(STARTS):
             try:
                 child = Child(self.folder, self.versions, self.limit.threads)
-            except ChildLostError as error:
+            except LostError as error:
                 if error.signalled and number < STARTS - 1 and not self._stopped:
                     continue
                 message = f"Blender does not start: {error}"
-                raise ChildLostError(message) from error
+                raise LostError(message, signalled=error.signalled) from error
             break
         with self._lock:
             self._children.add(child)

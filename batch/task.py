@@ -17,11 +17,9 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..addon.blender.images import SPARE, attribute, digest, digest_of_values, load, save
-from ..addon.blender.material import MaterialError
+from ..addon.library.errors import InputError
 from ..headless import assignment, memory, scene
-from ..headless.scene import SceneError
 from ..headless.sequence import SEED_STEP, is_done
-from ..nodegroups.osl_script import OslError
 from .job import digest_of
 from .mean import Mean
 from .outcome import RECORD, Outcome, read_record
@@ -66,7 +64,7 @@ class Renderer:
             _check_disk(Path(tempfile.gettempdir()))
             reason = " ".join(str(error).split()) or type(error).__name__
             # Bad input stays bad; what Blender itself stumbled over may go well another time.
-            status = "failed" if isinstance(error, (SceneError, MaterialError, OslError)) else "stumbled"
+            status = "failed" if isinstance(error, InputError) else "stumbled"
             return Outcome(task.identity(self.versions), status, time.perf_counter() - start, reason=reason)
 
     def render(self, task: Task) -> Outcome:
@@ -152,7 +150,7 @@ def _opened(task: Task) -> Scene:
     if found != task.digest:
         what = "has changed since the job was read; give the same command again" if found else "cannot be read here"
         message = f"{task.scene}: {what}"
-        raise SceneError(message)
+        raise scene.SceneError(message)
     return scene.opened(Path(task.scene))
 
 
@@ -211,7 +209,7 @@ def _to_error(shown: Scene, error: float, seed: int, resolution: tuple[int, int]
     if obstacle := _obstacle(shown):
         message = f'scene "{shown.name}" {obstacle}, so that its error cannot be told; switch that off in it'
         message += ", or give samples in place of error"
-        raise SceneError(message)
+        raise scene.SceneError(message)
     mean, number, samples = Mean(), 0, FIRST
     while number < 2 or (mean.error > error and mean.samples < LONGEST):
         mean.add(_picture(shown, samples, (seed + number * SEED_STEP) % 2**31, resolution), samples)

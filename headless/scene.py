@@ -12,6 +12,7 @@ import numpy as np
 
 from ..addon.blender.colour_update import refresh_all
 from ..addon.blender.follow import refresh
+from ..addon.library.errors import InputError
 from ..addon.library.files import one_root, replacing
 from ..nodegroups import versions
 
@@ -24,8 +25,8 @@ SIMULATIONS = {"GeometryNodeSimulationOutput", "GeometryNodeBake"}
 FORMATS = {".exr": "OPEN_EXR", ".png": "PNG"}
 
 
-class SceneError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+class SceneError(InputError):
+    """A scene that cannot be opened, assigned to or rendered as asked."""
 
 
 def blender_folders() -> list[Path]:
@@ -105,9 +106,8 @@ def ball_mesh(segments: int = 128, rings: int = 64) -> bpy.types.Mesh:
 def _floor(scene: Scene) -> None:
     mesh = bpy.data.meshes.new("Floor")
     mesh.from_pydata([(-40, -40, 0), (40, -40, 0), (40, 40, 0), (-40, 40, 0)], [], [(0, 1, 2, 3)])
-    material = bpy.data.materials.new("Floor")
-    tree = versions.nodes_of(material)
-    tree.nodes.clear()
+    material = versions.empty_material("Floor")
+    tree = material.node_tree
     diffuse, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
     diffuse.inputs["Color"].default_value = (0.18, 0.18, 0.18, 1.0)
     tree.links.new(diffuse.outputs[0], output.inputs["Surface"])

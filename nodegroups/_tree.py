@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import bpy
 
+from ..addon.library.errors import InputError
+
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator
 
@@ -24,8 +26,8 @@ OPERANDS = ("Value", "Value_001", "Value_002"), ("Vector", "Vector_001", "Vector
 TAKES = {"number": {"VALUE", "VECTOR", "RGBA"}, "vector": {"VECTOR", "RGBA"}, "shader": {"SHADER"}}
 
 
-class NativeError(RuntimeError):
-    """One of Blender's own nodes has not the socket that is wired here; in one line that says what to do."""
+class NativeError(InputError):
+    """One of Blender's own nodes lacks the socket that is wired here."""
 
 
 class Value:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import bpy
 
+from ..addon.library.errors import InputError
 from . import cook_torrance_table, oren_nayar_table, parameters, random_numbers, versions
 from ._tree import Number, Tree, Value
 
@@ -25,8 +26,8 @@ if TYPE_CHECKING:
 Variant: TypeAlias = "tuple[str, Mapping[str, str]]"
 
 
-class OslError(RuntimeError):
-    """This Blender cannot compile OSL, in one line that says what to do."""
+class OslError(InputError):
+    """This Blender cannot compile OSL."""
 
 
 LONGEST_NAME = 50  # Blender keeps 63 bytes of a name, and may add a number

@@ -68,6 +68,13 @@ def nodes_of(owner: Material | World | Light) -> NodeTree:
     return owner.node_tree
 
 
+def empty_material(name: str) -> Material:
+    """A new material without nodes."""
+    material = bpy.data.materials.new(name)
+    nodes_of(material).nodes.clear()
+    return material
+
+
 def used_nodes(owner: Material | World | Light) -> NodeTree | None:
     """The node tree that a material, world or light renders with; None where it has none, or does not use it."""
     return owner.node_tree if owner.node_tree is not None and (since(5, 0) or owner.use_nodes) else None

@@ -102,8 +102,7 @@ def empty_material(blender):
     """A function that makes a material with an empty tree on either Blender."""
 
     def make(name="Test"):
-        material = blender.data.materials.new(name)
-        versions.nodes_of(material).nodes.clear()
+        material = versions.empty_material(name)
         material.cycles.emission_sampling = "NONE"
         return material
 

@@ -27,9 +27,9 @@ def nodes_of(owner):
 
 def add_card(shown, node, socket="Surface", name="Card"):
     """A square metre of one shader node between the objects and the light."""
-    mesh, made = bpy.data.meshes.new(name), bpy.data.materials.new(name)
+    mesh, made = bpy.data.meshes.new(name), versions.empty_material(name)
     mesh.from_pydata([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)], [], [(0, 1, 2, 3)])
-    tree = nodes_of(made)
+    tree = made.node_tree
     shader, out = tree.nodes.new(f"ShaderNode{node}"), tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(shader.outputs[0], out.inputs[socket])
     mesh.materials.append(made)

@@ -21,8 +21,11 @@ headless.prepare()
 import bpy  # noqa: E402 - after prepare()
 import numpy as np  # noqa: E402
 
-from vgroove.addon.blender import assets, material  # noqa: E402
-from vgroove.addon.blender import course as animation  # noqa: E402
+from vgroove.addon.blender import (  # noqa: E402
+    assets,
+    course,
+    material,
+)
 from vgroove.addon.choose import automatic  # noqa: E402
 from vgroove.addon.library import presets  # noqa: E402
 from vgroove.addon.library.files import replacing  # noqa: E402
@@ -54,7 +57,7 @@ def title(family: str) -> str:
 def as_asset(preset: presets.Preset, name: str) -> bpy.types.Material:
     """A material for any scene, marked as an asset; what changes plays its course."""
     estimator = automatic.pick_estimator(None, preset)
-    play = animation.Play() if preset.time else None
+    play = course.Play() if preset.time else None
     made = material.build(preset, material.Choice("nodes", estimator, play=play))
     made.name = name
     made.asset_mark()

@@ -32,9 +32,8 @@ def glass(eta: float, m: float = 0.0, *, thin: bool = False) -> bpy.types.Materi
 
 
 def diffuse(*, checker: bool = False) -> bpy.types.Material:
-    made = bpy.data.materials.new("Diffuse")
-    tree = versions.nodes_of(made)
-    tree.nodes.clear()
+    made = versions.empty_material("Diffuse")
+    tree = made.node_tree
     bsdf, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
     bsdf.inputs["Color"].default_value = (0.7, 0.1, 0.05, 1.0)
     tree.links.new(bsdf.outputs[0], output.inputs[0])

@@ -123,9 +123,8 @@ def floor(shown: bpy.types.Scene) -> None:
 
 def checked(*greys: float) -> bpy.types.Material:
     """Matte squares of 1 cm in two greys."""
-    made = bpy.data.materials.new("Floor")
-    tree = versions.nodes_of(made)
-    tree.nodes.clear()
+    made = versions.empty_material("Floor")
+    tree = made.node_tree
     place, checks, diffuse, output = (
         tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "TexChecker", "BsdfDiffuse", "OutputMaterial")
     )

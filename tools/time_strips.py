@@ -15,8 +15,7 @@ import previews  # prepares Blender
 from PIL import Image, ImageDraw, ImageFont
 
 from vgroove import headless
-from vgroove.addon.blender import course as animation
-from vgroove.addon.blender import material, slots
+from vgroove.addon.blender import course, material, slots
 from vgroove.addon.blender.material import lamps_to_bind
 from vgroove.addon.choose import automatic
 from vgroove.addon.library import presets
@@ -36,7 +35,7 @@ def frames(shown: bpy.types.Scene, preset: Preset, clock: tuple[float, float] | 
     length = MOMENTS - 1.0
     if clock:  # the last points start when the first have gone half their way
         length /= 1.0 + clock[1]
-    play = animation.Play("age" if clock else "curves", 1.0, length)
+    play = course.Play("age" if clock else "curves", 1.0, length)
     made = material.build(preset, material.Choice("nodes", estimator, lamps, play=play))
     if clock:
         let_spread(made, *clock)
@@ -55,7 +54,7 @@ def frames(shown: bpy.types.Scene, preset: Preset, clock: tuple[float, float] | 
 
 def let_spread(made: bpy.types.Material, scale: float, late: float) -> None:
     """Offset from noise, and an Age that goes on until the last points have come to the end."""
-    node, tree = animation.trajectory_node(made), made.node_tree
+    node, tree = course.trajectory_node(made), made.node_tree
     assert node is not None
     place, noise, spread = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "MapRange"))
     noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = 100.0 * scale / 6.0, 4.0

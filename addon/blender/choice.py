@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...nodegroups import versions
+from ..library.errors import InputError
 from ..models import MODELS
 from ..models.estimators import ALL, EVERY_LIGHT, NATIVE
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
@@ -58,8 +59,8 @@ def bindable(lights: Sequence[Light], estimator: str, model: str) -> tuple[Light
     ]
 
 
-class MaterialError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+class MaterialError(InputError):
+    """A material that cannot be built or changed as asked."""
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,7 @@ import numpy as np
 from ...nodegroups import trajectory
 from ..models import parameter
 from ..reference.keyframes import Keyframes
-from . import colour_space, origin
-from . import course as animation
+from . import colour_space, course, origin
 from .material import CURVE, TRAJECTORY, animate, is_ours, parameter_sockets, preset_of, state_of, upgrade, values_of
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ def refresh(made: Material) -> None:
         made.diffuse_color = (*np.clip(T @ (r, g, b), 0.0, 1.0).tolist(), alpha)
     played = course_kept and record.play is not None
     if played:
-        animation.remove(made, sockets)
+        course.remove(made, sockets)
     for name, socket in sockets.items():
         if parameter(name).is_rgb or played:  # as taking a course away sets what it moves
             socket.default_value = (*numbers[name], 1.0) if socket.type == "RGBA" else numbers[name]
@@ -136,9 +135,9 @@ def _convert_course(made: Material, still: dict[str, Any], before: Floats, after
         return colour_space.to_space(colour_space.from_space(values, before), after)
 
     sockets = parameter_sockets(made)
-    keys = animation.courses(made, sockets)
+    keys = course.courses(made, sockets)
     colours = [name for name in keys if parameter(name).is_rgb]
-    node = animation.trajectory_node(made)
+    node = course.trajectory_node(made)
     if node is not None:
         if T is not None:
             back = np.linalg.inv(T).T
@@ -148,9 +147,7 @@ def _convert_course(made: Material, still: dict[str, Any], before: Floats, after
             trajectory.set_values(node.node_tree, sockets[name].name, new.values.tolist())
         return
     if colours:
-        animation.replace_curves(
-            made, sockets, {name: colour_space.moved(name, keys, still, convert) for name in colours}
-        )
+        course.replace_curves(made, sockets, {name: colour_space.moved(name, keys, still, convert) for name in colours})
 
 
 # Handlers

@@ -17,15 +17,16 @@ import numpy as np
 from ... import nodegroups
 from ...nodegroups import trajectory as trajectory_group
 from ...nodegroups.trajectory import AGE, OFFSET, RATE
+from ..library.errors import InputError
 from ..library.timeline import plain
 from ..reference.keyframes import TOLERANCE, TOLERANCES, Keyframes, place_keys
 from ..reference.trajectory import Keys, Trajectory, local_age
-from . import roles
+from . import fcurves, roles
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from bpy.types import ChannelBag, FCurve, Material, Node, NodeSocket
+    from bpy.types import FCurve, Material, Node, NodeSocket
     from numpy.typing import ArrayLike, NDArray
 
     from ...nodegroups._tree import Tree
@@ -34,14 +35,13 @@ if TYPE_CHECKING:
 DRIVINGS = ("curves", "age")
 INTERPOLATIONS = ("linear", "shape")
 PIECES = 1024  # straight ones, about, for a curve that an artist bent
-CLOSEST = 1e-3  # frames: Blender takes keys within 1e-4 for one when it plays them
 FRAMES = (-1e6, 1e6)
 LENGTHS = (1e-6, 1e9)  # frames
 LONGEST_NAME = 55  # Blender keeps 63 bytes of a name, and may add a number
 
 
-class AnimationError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+class AnimationError(InputError):
+    """A course that cannot be played, or changed as asked."""
 
 
 @dataclass(frozen=True)
@@ -112,11 +112,11 @@ def animate(
     if play.driving == "curves":
         for name, of in moving.items():
             frames = Keyframes(play.start + of.times * play.length, of.values, of.before, of.after)
-            _key(material, sockets[name], frames, play.interpolation)
+            fcurves.write_keys(material, sockets[name], frames, play.interpolation)
         return
     node = _add_trajectory(material, {sockets[name]: of for name, of in moving.items()}, title, backend)
     ages = Keyframes(np.array([play.start, play.start + play.length]), np.array([0.0, 1.0]))
-    _key(material, clock(node)[0], ages, "linear")
+    fcurves.write_keys(material, clock(node)[0], ages, "linear")
 
 
 def _add_trajectory(
@@ -152,127 +152,9 @@ def clock(node: Node) -> tuple[NodeSocket, NodeSocket, NodeSocket]:
     return inputs[AGE], inputs[RATE], inputs[OFFSET]
 
 
-# F-curves
-
-
-def _bag(material: Material, *, make: bool = False) -> ChannelBag | None:
-    """Where the F-curves of a material's tree are."""
-    tree = material.node_tree
-    data = tree.animation_data_create() if make else tree.animation_data
-    if data is None:
-        return None
-    if make and data.action is None:
-        data.action = bpy.data.actions.new(f"{material.name} Course")
-    action = data.action
-    if make and data.action_slot is None:
-        data.action_slot = action.slots.new(id_type="NODETREE", name=material.name)
-    if make and not action.layers:
-        action.layers.new(name="Layer")
-    if make and not action.layers[0].strips:
-        action.layers[0].strips.new(type="KEYFRAME")
-    if action is None or data.action_slot is None or not action.layers or not action.layers[0].strips:
-        return None
-    return action.layers[0].strips[0].channelbag(data.action_slot, ensure=make)
-
-
-def make_own(material: Material) -> None:
-    """Give a material that was duplicated curves of its own; Blender has both share them."""
-    data = material.node_tree.animation_data
-    if data is None or data.action is None or data.action.users - data.action.use_fake_user < 2:
-        return
-    identifier = data.action_slot.identifier
-    data.action = data.action.copy()
-    data.action_slot = data.action.slots[identifier]
-
-
-def _key(material: Material, socket: NodeSocket, keys: Keyframes, interpolation: str) -> None:
-    """Give an input F-curves of these keys, by frame; a channel that stands still gets its value and no curve."""
-    for channel, part in enumerate(_channels(keys)):
-        _set_channel(socket, channel, part.values[0])
-        if np.ptp(part.values) > 0.0:
-            bag = _bag(material, make=True)
-            assert bag is not None  # noqa: S101 - it was made
-            path = socket.path_from_id("default_value")
-            if (own := bag.fcurves.find(path, index=channel)) is not None:  # of an artist, on what was linked
-                bag.fcurves.remove(own)
-            curve = bag.fcurves.new(path, index=channel)
-            _write(curve, _apart(part), interpolation)
-
-
-def _channels(keys: Keyframes) -> list[Keyframes]:
-    if keys.values.ndim == 1:
-        return [keys]
-
-    def of(part: NDArray[np.float64] | None, channel: int) -> NDArray[np.float64] | None:
-        return None if part is None else part[:, channel]
-
-    return [Keyframes(keys.times, keys.values[:, k], of(keys.before, k), of(keys.after, k)) for k in range(3)]
-
-
-def _set_channel(socket: NodeSocket, channel: int, value: float) -> None:
-    if hasattr(socket.default_value, "__len__"):
-        socket.default_value[channel] = value
-    else:
-        socket.default_value = value
-
-
-def _apart(keys: Keyframes) -> Keyframes:
-    """The first and the last key, and of those between what is CLOSEST to no other that is kept.
-
-    A crowd's first and last key are both kept, if need be moved by up to CLOSEST: before a step the value has come to
-    the one, and goes on from the other, for long.
-    """
-    times, kept, last = keys.times.copy(), [0], keys.times.size - 1
-    for k, frame in enumerate(keys.times):
-        if 0 < k < last and keys.times[k + 1] - frame >= 2.0 * CLOSEST:
-            times[k] = max(frame, times[kept[-1]] + CLOSEST)
-            kept.append(k)
-        elif frame - times[kept[-1]] >= CLOSEST:
-            kept.append(k)
-    if kept[-1] != last:
-        before = times[last] - CLOSEST
-        if len(kept) > 1 and before - times[kept[-2]] >= CLOSEST:
-            times[kept[-1]] = before
-        elif len(kept) > 1:
-            kept.pop()
-        kept.append(last)
-    parts = (None if part is None else part[kept] for part in (keys.before, keys.after))
-    return Keyframes(times[kept], keys.values[kept], *parts)
-
-
-def _write(curve: FCurve, keys: Keyframes, interpolation: str) -> None:
-    points, count = curve.keyframe_points, keys.times.size
-    curve.extrapolation = "CONSTANT"
-    points.add(count)
-    # No curve.update() after this: it would merge keys that are nearer than 1/100 of a frame.
-    points.foreach_set("co", np.stack([keys.times, keys.values], axis=-1).astype(np.float32).ravel())
-    mode, handle = ("LINEAR", "VECTOR") if interpolation == "linear" else ("BEZIER", "FREE")
-    kinds = bpy.types.Keyframe.bl_rna.properties
-    for name, kind in (("interpolation", mode), ("handle_left_type", handle), ("handle_right_type", handle)):
-        points.foreach_set(name, np.full(count, kinds[name].enum_items[kind].value, np.int32))
-    if keys.before is None or keys.after is None:  # handles along the lines, for who changes the interpolation later
-        keys = Keyframes(keys.times, keys.values, *_along(keys.values))
-    _write_handles(curve, keys)
-
-
-def _along(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    rise = np.diff(values) / 3.0
-    return np.concatenate([values[:1], values[1:] - rise]), np.concatenate([values[:-1] + rise, values[-1:]])
-
-
-def _write_handles(curve: FCurve, keys: Keyframes) -> None:
-    """Handles a third of the way, so that time goes evenly along the curve."""
-    widths = np.diff(keys.times) / 3.0
-    first, last = (widths[0], widths[-1]) if widths.size else (1.0, 1.0)
-    left = np.stack([keys.times - np.concatenate([[first], widths]), keys.before], axis=-1)
-    right = np.stack([keys.times + np.concatenate([widths, [last]]), keys.after], axis=-1)
-    curve.keyframe_points.foreach_set("handle_left", left.astype(np.float32).ravel())
-    curve.keyframe_points.foreach_set("handle_right", right.astype(np.float32).ravel())
-
-
 def curves_of(material: Material, sockets: Iterable[NodeSocket]) -> list[FCurve]:
     """The F-curves on these inputs of a material, and on its Age."""
-    bag = _bag(material)
+    bag = fcurves.channelbag(material)
     if bag is None:
         return []
     node = trajectory_node(material)
@@ -295,39 +177,13 @@ def retime(curves: Sequence[FCurve], start: float, length: float) -> None:
     Play(start=start, length=length)  # refuses what is out of range
     first, last = span_of(curves)
     factor = length / (last - first) if last > first else 1.0
-    _map(curves, lambda frame: start + (frame - first) * factor, backwards=False)
+    fcurves.move_keys(curves, lambda frame: start + (frame - first) * factor, backwards=False)
 
 
 def reverse(curves: Sequence[FCurve]) -> None:
     """Play the course from its end to its start, over the same frames."""
     first, last = span_of(curves)
-    _map(curves, lambda frame: first + last - frame, backwards=True)
-
-
-def _map(curves: Sequence[FCurve], moved: Callable[[Any], Any], *, backwards: bool) -> None:
-    for curve in curves:
-        points = curve.keyframe_points
-        parts = {}
-        for name in ("co", "handle_left", "handle_right"):
-            flat = np.empty(2 * len(points), np.float32)
-            points.foreach_get(name, flat)
-            pairs = flat.reshape(-1, 2).astype(np.float64)
-            pairs[:, 0] = moved(pairs[:, 0])
-            parts[name] = pairs[::-1] if backwards else pairs
-        kinds = {}
-        for name in ("interpolation", "handle_left_type", "handle_right_type"):
-            values = np.empty(len(points), np.int32)
-            points.foreach_get(name, values)
-            kinds[name] = values[::-1] if backwards else values
-        if backwards:  # a key's way of leaving it is the way of reaching it
-            parts["handle_left"], parts["handle_right"] = parts["handle_right"], parts["handle_left"]
-            both = kinds["handle_left_type"], kinds["handle_right_type"]
-            kinds["handle_right_type"], kinds["handle_left_type"] = both
-            kinds["interpolation"] = np.concatenate([kinds["interpolation"][1:], kinds["interpolation"][:1]])
-        for name, pairs in parts.items():
-            points.foreach_set(name, pairs.astype(np.float32).ravel())
-        for name, values in kinds.items():
-            points.foreach_set(name, np.ascontiguousarray(values))
+    fcurves.move_keys(curves, lambda frame: first + last - frame, backwards=True)
 
 
 # From one way of driving to the other, and back to none
@@ -338,7 +194,7 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
 
     A clock that differs from point to point cannot be baked: AnimationError if Rate or Offset is linked.
     """
-    make_own(material)
+    fcurves.make_own(material)
     node = trajectory_node(material)
     if node is None:
         message = f"{material.name} is not driven by Age; its inputs have their own curves already, or none"
@@ -359,7 +215,7 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
     played = _by_frame(material, node, held, sockets)
     _drop_trajectory(material, node)  # takes the curve of Age along
     for socket, keys in played.items():
-        _key(material, socket, keys, "linear")
+        fcurves.write_keys(material, socket, keys, "linear")
 
 
 def _held(node: Node, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]:
@@ -440,74 +296,47 @@ def courses(material: Material, sockets: Mapping[str, NodeSocket]) -> dict[str, 
         if of_socket:
             frames = np.unique([point.co.x for curve in of_socket.values() for point in curve.keyframe_points])
             if frames.size == 1:
-                found[name] = Keyframes(np.zeros(1), _values(socket.default_value, of_socket, frames))
+                found[name] = Keyframes(np.zeros(1), fcurves.evaluate(socket.default_value, of_socket, frames))
             elif any(point.interpolation != "LINEAR" for of in of_socket.values() for point in of.keyframe_points):
-                law = _tabulated(frames, partial(_values, socket.default_value, of_socket))
+                law = _tabulated(frames, partial(fcurves.evaluate, socket.default_value, of_socket))
                 played = place_keys(Trajectory({name: law}, first, last), name)
                 found[name] = Keyframes((played.times - first) / (last - first), played.values)
             else:
-                values = _values(socket.default_value, of_socket, frames)
-                found[name] = Keyframes((frames - first) / max(last - first, CLOSEST), values)
+                values = fcurves.evaluate(socket.default_value, of_socket, frames)
+                found[name] = Keyframes((frames - first) / max(last - first, fcurves.CLOSEST), values)
     return found
-
-
-def _values(value: Any, curves: Mapping[int, FCurve], frames: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What the F-curves of one input make of it at each frame; channels without a curve stand still."""
-    single = not hasattr(value, "__len__")
-    channels = [
-        [curves[k].evaluate(frame) if k in curves else (value if single else value[k]) for frame in frames]
-        for k in range(1 if single else 3)
-    ]
-    return np.array(channels[0]) if single else np.array(channels).T
 
 
 def remove(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
     """Take the course away; the material stays as the current frame shows it."""
-    make_own(material)
+    fcurves.make_own(material)
     frame = bpy.context.scene.frame_current_final
     for curve in curves_of(material, sockets.values()):  # an unused material's inputs do not follow the frame
         socket = material.node_tree.path_resolve(curve.data_path.rpartition(".")[0])
-        _set_channel(socket, curve.array_index, curve.evaluate(frame))
+        fcurves.set_channel(socket, curve.array_index, curve.evaluate(frame))
     node = trajectory_node(material)
     if node is not None:
         held, now = _held(node, sockets), _clock(node, clock(node)[0].default_value)
         _drop_trajectory(material, node)
         for name, keys in held.items():
             for channel, value in enumerate(np.atleast_1d(keys.law()(now))):
-                _set_channel(sockets[name], channel, float(value))
-    _drop_curves(material, curves_of(material, sockets.values()))
+                fcurves.set_channel(sockets[name], channel, float(value))
+    fcurves.remove_curves(material, curves_of(material, sockets.values()))
 
 
 def replace_curves(material: Material, sockets: Mapping[str, NodeSocket], keys: Mapping[str, Keyframes]) -> None:
     """Give inputs that have F-curves straight ones of these keys instead, by age over the same frames."""
-    make_own(material)
+    fcurves.make_own(material)
     first, last = span_of(curves_of(material, sockets.values()))
     for name, of in keys.items():
-        _drop_curves(material, curves_of(material, [sockets[name]]))
+        fcurves.remove_curves(material, curves_of(material, [sockets[name]]))
         frames = Keyframes(first + of.times * (last - first), of.values)
-        _key(material, sockets[name], frames, "linear")
+        fcurves.write_keys(material, sockets[name], frames, "linear")
 
 
 def _drop_trajectory(material: Material, node: Node) -> None:
     """The node and the curve of its Age, and its group and texts where nothing else uses them."""
     group = node.node_tree
-    _drop_curves(material, curves_of(material, ()))
+    fcurves.remove_curves(material, curves_of(material, ()))
     material.node_tree.nodes.remove(node)
     nodegroups.remove_unused(group)
-
-
-def _drop_curves(material: Material, curves: Iterable[FCurve]) -> None:
-    """No action stays behind without a curve, unless something else uses it."""
-    bag, data = _bag(material), material.node_tree.animation_data
-    if bag is None:
-        return
-    for curve in curves:
-        bag.fcurves.remove(curve)
-    if len(bag.fcurves):
-        return
-    action = data.action
-    data.action = None
-    if not len(data.drivers) and not len(data.nla_tracks):  # bound lamps have theirs there
-        material.node_tree.animation_data_clear()
-    if action.users == 0:
-        bpy.data.actions.remove(action)

@@ -16,7 +16,7 @@ import bpy
 from ... import nodegroups
 from ...nodegroups import eevee
 from ..reference import cycles
-from . import colour_space, colour_update, course, material, origin, roles
+from . import colour_space, colour_update, course, fcurves, material, origin, roles
 from .material import Choice, lamps_to_bind
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree) -> list[str]:
     """Give the node another group. Blender matches sockets by their numbers; here they keep what their names had."""
     if node.node_tree == group:
         return []
-    course.make_own(made)
+    fcurves.make_own(made)
     tree, before = made.node_tree, nodegroups.inputs(node)
     kept = {name: _Input(socket) for name, socket in before.items()}
     outputs = [(socket.name, [link.to_socket for link in socket.links]) for socket in node.outputs]

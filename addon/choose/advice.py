@@ -5,31 +5,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from math import radians
 from typing import TYPE_CHECKING
 
 import bpy
 
 from ...nodegroups import fit_table, lamp, versions
-from ...nodegroups.osl_script import OslError
 from ..blender import facts, lamps, rays
-from ..blender.material import MaterialError, binds, locked
+from ..blender.material import binds, locked
 from ..blender.rebuild import is_of_other_cycles, rebuild
 from ..models import MODELS
 from ..models.estimators import BORROWING, EVERY_LIGHT, NATIVE, RANDOM
 from ..reference import cycles
+from .mends import clear_offsets, give_size, rebuild_all, sample_lights, set_size, set_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from bpy.types import Material, Object, Scene
+    from bpy.types import Scene
 
     from ..blender.facts import SceneFacts
     from ..blender.lamps import Light
     from ..library.presets import Preset
 
-SUN_SIZE = radians(0.526)  # the real sun's mean angular diameter
-LAMP_SIZE = 0.05  # metres: what "Give Lights a Size" gives points and spots
 WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
 LIGHTEST = 1e-5  # weight of a closure, below which Cycles makes none
 FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light turns in glass that often and more
@@ -51,7 +48,7 @@ class Problem:
     key: str
     text: str
     button: str = ""
-    mend: Callable[[], None] | None = None
+    mend: Callable[[], object] | None = None
     costs: str = ""
 
 
@@ -136,7 +133,7 @@ def _bounce_problems(scene: Scene) -> Iterator[Problem]:
         text = f"Light that glass turns more often than Max Bounces allow is lost: {said}"
         enough = dict.fromkeys(few, FEWEST_BOUNCES)
         yield Problem(
-            "bounces", text, f"Allow {FEWEST_BOUNCES} Bounces", partial(_set, cycles, **enough), "longer renders"
+            "bounces", text, f"Allow {FEWEST_BOUNCES} Bounces", partial(set_values, cycles, **enough), "longer renders"
         )
 
 
@@ -163,20 +160,8 @@ def cycles_problems(scene: Scene) -> Iterator[Problem]:
         names = ", ".join(one.name for one in found)
         text = f"Made in Blender {where}, these render differently here until you update them: {names}"
         mendable = [made for made in found if not locked(made)]
-        mend = partial(_update_all, mendable, scene) if mendable else None
+        mend = partial(rebuild_all, mendable, scene) if mendable else None
         yield Problem("cycles", text, "Update" if mend else "", mend)
-
-
-def _update_all(found: Sequence[Material], scene: Scene) -> None:
-    """Rebuild all that can be; what a refusal says of the first that cannot is said after the others are done."""
-    refused = None
-    for made in found:
-        try:
-            rebuild(made, scene)
-        except (MaterialError, OslError) as error:
-            refused = refused or error
-    if refused:
-        raise refused
 
 
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
@@ -185,7 +170,7 @@ def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
         text = f"The image {fit_table.NAME} was deleted: materials that need it render pink"
         yield Problem("table", text, "Update", fit_table.restore)
     for made, origin in known.origins.items():
-        update = None if locked(made) else partial(_update, made, known.scene)
+        update = None if locked(made) else partial(rebuild, made, known.scene)
         if origin is None:
             yield Problem(f"lost {made.name}", f"{made.name} has lost its node group", "Update", update)
             continue
@@ -197,22 +182,20 @@ def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
             yield Problem(f"stale {made.name}", text, "Update", update)
 
 
-def _update(made: Material, scene: Scene) -> None:
-    rebuild(made, scene)
-
-
 def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
     render, cycles = scene.render, scene.cycles
     if render.engine != "CYCLES":
-        yield Problem("engine", "The render engine is not Cycles", "Use Cycles", lambda: _set(render, engine="CYCLES"))
+        yield Problem(
+            "engine", "The render engine is not Cycles", "Use Cycles", lambda: set_values(render, engine="CYCLES")
+        )
     if backend == "osl" and not bpy.app.build_options.cycles_osl:
         yield Problem("osl-build", "This Blender was built without OSL; choose the backend Nodes")
     elif backend == "osl" and not cycles.shading_system:
         text = "Open Shading Language is off: OSL materials render black"
-        yield Problem("osl", text, "Switch OSL On", lambda: _set(cycles, shading_system=True))
+        yield Problem("osl", text, "Switch OSL On", lambda: set_values(cycles, shading_system=True))
     elif backend == "osl" and cycles.device == "GPU" and _compute_device() not in {"NONE", "OPTIX"}:
         text = f"OSL runs on the CPU and on OptiX, not on {_compute_device()}; choose the backend Nodes"
-        mend = partial(_set, cycles, device="CPU")
+        mend = partial(set_values, cycles, device="CPU")
         yield Problem("device", text, "Render on the CPU", mend, "everything renders on the CPU")
 
 
@@ -229,15 +212,15 @@ def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[
     pointlike = [one for one in sought if not one.sized]
     if pointlike:
         text = f"{name} does not see lights of zero size that it cannot bind{but}: {_lights(pointlike)}"
-        mend = partial(_give_size, pointlike)
+        mend = partial(give_size, pointlike)
         yield Problem("size", text, "Give Lights a Size", mend, "softer shadows everywhere")
     unsampled = [one for one in sought if not one.sampled]
     if unsampled:
         text = f"{name} does not see lights whose Multiple Importance is off{but}: {_lights(unsampled)}"
-        yield Problem("mis", text, "Switch Multiple Importance On", partial(_use_mis, unsampled))
+        yield Problem("mis", text, "Switch Multiple Importance On", partial(sample_lights, unsampled))
     if world is not None and not known.sky.sampled:
         text = f"{name} does not see a world whose Multiple Importance is off{but}"
-        yield Problem("world", text, "Sample the World", partial(_set, world.cycles, sampling_method="AUTOMATIC"))
+        yield Problem("world", text, "Sample the World", partial(set_values, world.cycles, sampling_method="AUTOMATIC"))
     if known.sky.sun_disc:
         text = f"{name} rarely hits the sun disc of the world's {known.sky.sun_disc}, whose light is lost or noisy"
         yield Problem("disc", f"{text}; switch Sun Disc off and add a sun of zero size, which is bound")
@@ -250,7 +233,7 @@ def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[
         text = f"{name} rarely hits small lights and is noisy: {_lights(small)}"
         shrinking = [one.item for one in small if not one.via and one.item.data.type != "AREA"]
         if shrinking and binds(estimator, 0.0, model):
-            mend, costs = partial(_set_size, shrinking, 0.0), "sharp shadows everywhere"
+            mend, costs = partial(set_size, shrinking, 0.0), "sharp shadows everywhere"
             more = ". Lights of size 0 are bound when you apply"
             yield Problem("small", text + more, "Set Their Size to 0", mend, costs)
         else:
@@ -262,14 +245,14 @@ def _setting_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
     cycles, name = scene.cycles, name_of(estimator)
     if cycles.use_adaptive_sampling:
         text = f"Noise Threshold stops pixels that have not yet found a light, which darkens {name}"
-        mend = partial(_set, cycles, use_adaptive_sampling=False)
+        mend = partial(set_values, cycles, use_adaptive_sampling=False)
         yield Problem("adaptive", text, "Switch Noise Threshold Off", mend, "longer renders")
     if cycles.blur_glossy > 0:
-        mend = partial(_set, cycles, blur_glossy=0.0)
+        mend = partial(set_values, cycles, blur_glossy=0.0)
         text = f"Filter Glossy is on and blurs {name}'s facets"
         yield Problem("filter", text, "Set Filter Glossy to 0", mend, "more fireflies")
     if cycles.sample_clamp_indirect > 0:
-        mend = partial(_set, cycles, sample_clamp_indirect=0.0)
+        mend = partial(set_values, cycles, sample_clamp_indirect=0.0)
         text = f"Clamp Indirect is on and darkens {name}"
         yield Problem("clamp", text, "Set Clamp Indirect to 0", mend, "more fireflies")
 
@@ -278,11 +261,11 @@ def _caustics_problems(scene: Scene, estimator: str, model: str) -> Iterator[Pro
     cycles, name = scene.cycles, name_of(estimator)
     if MODELS[model].transparent and not cycles.caustics_refractive:
         text = f"Refractive Caustics are off: light through {name} is lost"
-        mend = partial(_set, cycles, caustics_refractive=True)
+        mend = partial(set_values, cycles, caustics_refractive=True)
         yield Problem("refractive", text, "Switch Caustics On", mend, "more noise")
     if not cycles.caustics_reflective:
         text = f"Reflective Caustics are off: light by way of {name} is lost"
-        mend = partial(_set, cycles, caustics_reflective=True)
+        mend = partial(set_values, cycles, caustics_reflective=True)
         yield Problem("caustics", text, "Switch Caustics On", mend, "more noise")
 
 
@@ -296,7 +279,7 @@ def _ray_problems(known: SceneFacts) -> Iterator[Problem]:
     text = f"Of the rays in a pixel{where} only {found:.0f} differ, and random numbers with them"
     text += f": {samples} samples have the noise of {1.0 / (1.0 / samples + 1.0 / found):.0f}"
     if rays.filter_width(scene) < 1.0:
-        widen = partial(_set, scene.cycles, filter_width=1.5)
+        widen = partial(set_values, scene.cycles, filter_width=1.5)
         yield Problem("rays", f"{text}. The pixel filter is too narrow", "Widen the Pixel Filter", widen)
     elif scene.camera.data.type == "ORTHO":
         why = "An orthographic camera is too far from the origin"
@@ -364,7 +347,7 @@ def _denoiser_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
         part = "a part of " if estimator == "hybrid" else ""
         text = f"Denoising Albedo and Normal of {part}{name} are those of what its facets mirror"
     if guided:
-        mend = partial(_set, scene.cycles, denoising_input_passes="RGB")
+        mend = partial(set_values, scene.cycles, denoising_input_passes="RGB")
         yield Problem("denoiser", text, "Denoise by Colour Alone", mend, "softer edges and textures")
     else:
         yield Problem("denoiser", text)
@@ -378,7 +361,7 @@ def _terminator_problems(known: SceneFacts, estimator: str, model: str) -> Itera
         text = (
             f"{name_of(estimator)} does not follow a Shading Offset of the shadow terminator{share} and is too bright"
         )
-        mend = partial(_clear_offsets, items)
+        mend = partial(clear_offsets, items)
         yield Problem(
             "terminator",
             f"{text}: {', '.join(known.shifted)}",
@@ -386,11 +369,6 @@ def _terminator_problems(known: SceneFacts, estimator: str, model: str) -> Itera
             mend,
             "jagged shadow lines on coarse meshes",
         )
-
-
-def _clear_offsets(items: Sequence[Object]) -> None:
-    for item in items:
-        item.shadow_terminator_shading_offset = 0.0
 
 
 def _lighting_passes() -> list[str]:
@@ -402,7 +380,7 @@ def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[
     """Clamping, baking, and view layers that show another material."""
     name, cycles = name_of(estimator), scene.cycles
     if cycles.sample_clamp_direct > 0 and (estimator == "hybrid" or (estimator == "corrected" and bound)):
-        mend = partial(_set, cycles, sample_clamp_direct=0.0)
+        mend = partial(set_values, cycles, sample_clamp_direct=0.0)
         text = f"Clamp Direct is on and clamps the parts of {name} one by one, which changes their sum"
         yield Problem("clamp-direct", text, "Set Clamp Direct to 0", mend, "more fireflies")
     diffuse = estimator in RANDOM and MODELS[model].is_diffuse and MODELS[model].mirrors
@@ -429,23 +407,3 @@ def _names(items: Sequence[Light]) -> str:
 
 def _lights(found: Sequence[facts.Light]) -> str:
     return ", ".join(one.name for one in found)
-
-
-def _set(owner: object, **values: object) -> None:
-    for name, value in values.items():
-        setattr(owner, name, value)
-
-
-def _give_size(pointlike: Sequence[facts.Light]) -> None:
-    for one in pointlike:
-        _set_size([one.item], SUN_SIZE if one.item.data.type == "SUN" else LAMP_SIZE)
-
-
-def _set_size(items: Sequence[Object], size: float) -> None:
-    for item in items:
-        setattr(item.data, {"SUN": "angle", "AREA": "size"}.get(item.data.type, "shadow_soft_size"), size)
-
-
-def _use_mis(unsampled: Sequence[facts.Light]) -> None:
-    for one in unsampled:
-        one.item.data.cycles.use_multiple_importance_sampling = True

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..models import parameter
 from ..models.cook_torrance import SLOPE
-from .inputs import InputError, shown
+from .errors import InputError
+from .inputs import shown
 
 if TYPE_CHECKING:
     from ..models import Number
@@ -19,9 +20,9 @@ M_RANGE = SLOPE.low, SLOPE.high  # what float32 shaders keep finite; 0 stands fo
 
 
 class PresetError(InputError):
-    """Bad input in one line: what, where, how to mend it.
+    """A preset that does not hold, or does not exist.
 
-    Whatever a file holds stays one line of at most ``LONGEST_MESSAGE`` characters that a terminal shows as they are.
+    Whatever a file holds, the text stays one line of at most ``LONGEST_MESSAGE`` printable characters.
     """
 
     def __init__(self, message: str) -> None:

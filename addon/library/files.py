@@ -18,6 +18,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .errors import InputError
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
@@ -29,7 +31,7 @@ SPECIAL = re.compile(r"^//|[{}\\#<>?*%\x00-\x1f\x7f\ud800-\udfff]")
 LONGEST_PATH = 900  # bytes
 
 
-class FileError(OSError):
+class FileError(InputError, OSError):
     """A file that cannot be read or written, in words that follow "PATH: "."""
 
 

@@ -12,6 +12,8 @@ import re
 import tomllib
 from typing import Any
 
+from .errors import InputError
+
 FRAMES = -1_048_574, 1_048_574  # Blender's own limits (MINAFRAME, MAXFRAME)
 MOST_SAMPLES, MOST_SIDE, MOST_SEED = 2**24, 16384, 2**31 - 1  # of Cycles; pixels, ours; of an int32
 MOST_WORKERS, MOST_MEGABYTES = 4096, 2**31 - 1
@@ -23,10 +25,6 @@ REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,5})?")
 MOST_PARTS = 16
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 DEEP_KEY = re.compile(rf"(?<![\w.-])(?:{_PART}[ \t]*+\.[ \t]*+){{{MOST_PARTS}}}")
-
-
-class InputError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
 
 
 def shown(value: Any) -> str:

@@ -25,7 +25,8 @@ from typing import TYPE_CHECKING, Any
 from ..models import DEFAULT, MODELS, PARAMETERS, fresnel
 from . import timeline
 from .checks import PresetError, as_in_range, as_number, as_typed, check_key
-from .inputs import InputError, shown, toml
+from .errors import InputError
+from .inputs import shown, toml
 from .preset import Preset, check_form
 
 if TYPE_CHECKING:

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ...nodegroups.osl_script import OslError
 from ...nodegroups.trajectory import AGE, OFFSET, RATE
-from ..blender import course as animation
-from ..blender import material
+from ..blender import course, fcurves, material
 from ..library import presets
 from ..library import writing as preset_files
-from ..library.checks import PresetError
+from ..library.errors import InputError
 from ..reference.keyframes import TOLERANCE, TOLERANCES
 from . import properties
 from .text import lines
@@ -24,7 +22,7 @@ if TYPE_CHECKING:
 
 CURVES = (
     "F-curves on the inputs that change, to edit in the Graph Editor; "
-    f"no two keys are nearer than {animation.CLOSEST:g} frames, so that the steepest step takes as long"
+    f"no two keys are nearer than {fcurves.CLOSEST:g} frames, so that the steepest step takes as long"
 )
 
 
@@ -66,9 +64,9 @@ class _Course:
         try:
             for one in chosen:
                 material.upgrade(one)
-                animation.make_own(one)
+                fcurves.make_own(one)
                 self.do(context, one)
-        except (animation.AnimationError, PresetError, material.MaterialError, OslError) as error:
+        except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         context.scene.frame_set(context.scene.frame_current, subframe=context.scene.frame_subframe)  # shows the change
@@ -103,7 +101,7 @@ class VGROOVE_OT_course_retime(_Course, bpy.types.Operator):
 
     def do(self, context: bpy.types.Context, one: bpy.types.Material) -> None:
         play = play_of(context.scene)
-        animation.retime(material.curves(one), play.start, play.length)
+        course.retime(material.curves(one), play.start, play.length)
 
 
 class VGROOVE_OT_course_reverse(_Course, bpy.types.Operator):
@@ -115,7 +113,7 @@ class VGROOVE_OT_course_reverse(_Course, bpy.types.Operator):
     done = "Reversed"
 
     def do(self, _context: bpy.types.Context, one: bpy.types.Material) -> None:
-        animation.reverse(material.curves(one))
+        course.reverse(material.curves(one))
 
 
 class VGROOVE_OT_course_bake(_Course, bpy.types.Operator):
@@ -129,10 +127,10 @@ class VGROOVE_OT_course_bake(_Course, bpy.types.Operator):
 
     @staticmethod
     def needs(context: bpy.types.Context) -> list[bpy.types.Material]:
-        return [one for one in moving(context) if animation.trajectory_node(one)]
+        return [one for one in moving(context) if course.trajectory_node(one)]
 
     def do(self, _context: bpy.types.Context, one: bpy.types.Material) -> None:
-        animation.bake(one, material.parameter_sockets(one))
+        course.bake(one, material.parameter_sockets(one))
 
 
 class VGROOVE_OT_course_remove(_Course, bpy.types.Operator):
@@ -190,11 +188,11 @@ class VGrooveCourse(bpy.types.PropertyGroup):
     )
     start: bpy.props.FloatProperty(
         name="Start", description="Frame at which the course begins; before it the material is as at the start",
-        default=1.0, soft_min=0.0, soft_max=1000.0, min=animation.FRAMES[0], max=animation.FRAMES[1], precision=2,
+        default=1.0, soft_min=0.0, soft_max=1000.0, min=course.FRAMES[0], max=course.FRAMES[1], precision=2,
     )  # fmt: skip
     length: bpy.props.FloatProperty(
         name="Length", description="For how many frames the course goes; after them the material is as at the end",
-        default=240.0, soft_min=1.0, soft_max=1000.0, min=animation.LENGTHS[0], max=animation.LENGTHS[1], precision=2,
+        default=240.0, soft_min=1.0, soft_max=1000.0, min=course.LENGTHS[0], max=course.LENGTHS[1], precision=2,
     )  # fmt: skip
     start_seconds: bpy.props.FloatProperty(
         name="Start", description="When the course begins, in seconds from frame 0", unit="TIME_ABSOLUTE",
@@ -221,18 +219,18 @@ class VGrooveCourse(bpy.types.PropertyGroup):
     )
 
 
-def play_of(shown: bpy.types.Scene) -> animation.Play:
+def play_of(shown: bpy.types.Scene) -> course.Play:
     """The panel's settings."""
     chosen = shown.vgroove_course
     interpolation = chosen.interpolation if chosen.driving == "curves" else "linear"
-    return animation.Play(chosen.driving, chosen.start, chosen.length, chosen.tolerance / 100.0, interpolation)
+    return course.Play(chosen.driving, chosen.start, chosen.length, chosen.tolerance / 100.0, interpolation)
 
 
 @cache
-def _key_count(course: str, tolerance: float, interpolation: str) -> int:
-    play = animation.Play(tolerance=tolerance, interpolation=interpolation)
-    preset = presets.parse(course, "counted", "counted")
-    found = animation.keyframes(preset.trajectory(), play)
+def _key_count(text: str, tolerance: float, interpolation: str) -> int:
+    play = course.Play(tolerance=tolerance, interpolation=interpolation)
+    preset = presets.parse(text, "counted", "counted")
+    found = course.keyframes(preset.trajectory(), play)
     return sum(keys.times.size for keys in found.values())
 
 
@@ -301,12 +299,12 @@ def draw_settings(layout: bpy.types.UILayout, settings: VGrooveCourse, preset: p
 def draw_clocks(layout: bpy.types.UILayout, found: Iterable[bpy.types.Material]) -> None:
     """Age, Rate and Offset of materials that have them."""
     for one in found:
-        node = animation.trajectory_node(one)
+        node = course.trajectory_node(one)
         if node is None:
             continue
         column = layout.column()
         column.label(text=one.name, icon="MATERIAL")
-        for name, socket in zip((AGE, RATE, OFFSET), animation.clock(node), strict=True):
+        for name, socket in zip((AGE, RATE, OFFSET), course.clock(node), strict=True):
             if socket.is_linked:
                 column.label(text=f"{name}: from a texture", icon="TEXTURE")
             else:

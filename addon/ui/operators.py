@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from ...nodegroups.osl_script import OslError
-from ..blender import course as animation
 from ..blender import facts, material, slots
 from ..blender.rebuild import AS_IT_IS, rebuild, reset
 from ..choose import advice, automatic
 from ..library import presets
 from ..library import writing as preset_files
-from ..library.checks import PresetError
+from ..library.errors import InputError
 from ..library.files import replacing
 from . import course, memory, watch
 from .properties import chosen_preset
@@ -30,7 +28,6 @@ if TYPE_CHECKING:
 FILE_PATH = bpy.props.StringProperty(
     name="File Path", description="The preset's file", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}
 )
-REFUSALS = (material.MaterialError, animation.AnimationError, PresetError, OslError)  # told in words
 
 
 class VGROOVE_OT_apply(bpy.types.Operator):
@@ -80,7 +77,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
                     slots.give_to_parts(new, context)
                 else:
                     slots.apply(new, others)
-        except REFUSALS as error:
+        except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         memory.used(preset.id)
@@ -139,7 +136,7 @@ class VGROOVE_OT_update(bpy.types.Operator):
                 bound = settings.bound / 100.0 if estimator == "hybrid" else None
                 said = rebuild(made, context.scene, backend=settings.backend, estimator=estimator, bound=bound)
                 lost += [f"{made.name}: {text}" for text in said]
-        except REFUSALS as error:
+        except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         names = ", ".join(one.name for one in chosen)
@@ -191,7 +188,7 @@ class VGROOVE_OT_mend(bpy.types.Operator):
             for problem in mendable:
                 if problem.mend:
                     problem.mend()
-        except REFUSALS as error:
+        except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"FINISHED"}  # of what was mended before it
         if not mendable:
@@ -255,7 +252,7 @@ class VGROOVE_OT_reset(bpy.types.Operator):
         assert made is not None  # noqa: S101 - poll saw to it
         try:
             left = reset(made, context.scene)
-        except REFUSALS as error:
+        except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if left:
@@ -285,7 +282,7 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
         made = ours(context)
         try:
             preset = material.to_preset(made)
-        except REFUSALS as error:
+        except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         source = dict(preset.source)
@@ -348,7 +345,7 @@ def _keep(operator: bpy.types.Operator, context: bpy.types.Context, keep: Callab
     folder = presets.user_folder()
     try:
         kept = keep(folder) if folder else None
-    except (PresetError, OSError) as error:
+    except (InputError, OSError) as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
     if kept is None:

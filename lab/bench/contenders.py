@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ...addon.blender import material
 from ...addon.blender.material import BUILDERS, Choice, lamps_to_bind
 from ...addon.library import presets
-from .scenes import new_material
+from ...nodegroups.versions import empty_material
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -160,7 +160,7 @@ def peers(preset: Preset) -> Iterator[Contender]:
 
 def _peer(label: str, differs: str, node: str, inputs: dict[str, Any], **properties: str) -> Contender:
     def make(_shown: Scene) -> Material:
-        made = new_material(label)
+        made = empty_material(label)
         tree = made.node_tree
         bsdf, output = tree.nodes.new(f"ShaderNode{node}"), tree.nodes.new("ShaderNodeOutputMaterial")
         for name, value in properties.items():

@@ -39,7 +39,6 @@ from ...nodegroups import versions
 from . import contenders, everyday_scenes  # noqa: F401 - fills SCENES
 from .everyday_stage import SAMPLES, SCENES, SIZE, prepare, shaded
 from .record import Cell
-from .scenes import new_material
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -187,7 +186,7 @@ def time_over_native(
 
 def native(preset: Preset) -> Material:
     """What an artist would wire without us: Metallic, Diffuse and Glass BSDFs with the preset's numbers."""
-    made = new_material(f"Native {preset.name}")
+    made = versions.empty_material(f"Native {preset.name}")
     tree = made.node_tree
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(_shader(tree, preset), output.inputs["Surface"])

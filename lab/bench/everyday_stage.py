@@ -18,7 +18,6 @@ from mathutils import Vector
 from ...addon.blender import gonio
 from ...headless import scene
 from ...nodegroups import versions
-from .scenes import new_material
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -140,7 +139,7 @@ def floor(shown: Scene, level: float = 0.3, height: float = -1.0) -> Object:
 
 def shaded(kind: str, socket: str = "Surface", **inputs: Any) -> Material:
     """A material of one node."""
-    made = new_material(kind)
+    made = versions.empty_material(kind)
     tree = made.node_tree
     node, output = tree.nodes.new(f"ShaderNode{kind}"), tree.nodes.new("ShaderNodeOutputMaterial")
     for name, value in inputs.items():

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 import psutil
 
+from ...addon.library.errors import InputError
 from ...addon.library.files import FileError, read_text, write_text
 from ...addon.library.inputs import shown
 
@@ -67,8 +68,8 @@ FIELDS = (
 OPTIONAL = (("versions", dict, "table"), ("seconds", dict, "table"), ("wanted", int, "number"))
 
 
-class ReportError(ValueError):
-    """Bad input in one line: what, where, how to mend it."""
+class ReportError(InputError):
+    """A report.json that cannot be used."""
 
 
 @dataclass(frozen=True)
@@ -197,7 +198,7 @@ def read(path: Path) -> dict[str, Any]:
     """What a report.json holds. ReportError if it is none."""
     try:
         content = json.loads(read_text(path, LONGEST_FILE))
-    except (ValueError, RecursionError, FileError) as error:
+    except (ValueError, RecursionError) as error:
         what = str(error) if isinstance(error, FileError) else "no report"
         what = "not there" if isinstance(error.__cause__, FileNotFoundError) else what
         message = f"{path}: {what}; name a report.json that `vgroove report -o DIR` wrote"

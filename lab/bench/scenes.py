@@ -27,7 +27,7 @@ from ...nodegroups import versions
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import Material, Object, Scene
+    from bpy.types import Object, Scene
     from numpy.typing import NDArray
 
 BRIGHTEST = 3.0
@@ -129,7 +129,7 @@ def _checker(shown: Scene) -> None:
     shown.cycles.diffuse_bounces = shown.cycles.glossy_bounces = shown.cycles.max_bounces  # light is not to be lost
     mesh = bpy.data.meshes.new("Floor")
     mesh.from_pydata([(-40, -40, 0), (40, -40, 0), (40, 40, 0), (-40, 40, 0)], [], [(0, 1, 2, 3)])
-    made = new_material("Checker")
+    made = versions.empty_material("Checker")
     tree = made.node_tree
     texture, place, diffuse, output = (
         tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexChecker", "NewGeometry", "BsdfDiffuse", "OutputMaterial")
@@ -145,10 +145,3 @@ def _checker(shown: Scene) -> None:
     mesh.materials.append(made)
     shown.collection.objects.link(bpy.data.objects.new("Floor", mesh))
     shown.camera.location, shown.camera.rotation_euler = (0.0, -5.6, 2.6), (radians(74.0), 0.0, 0.0)
-
-
-def new_material(name: str) -> Material:
-    """A material with an empty node tree."""
-    made = bpy.data.materials.new(name)
-    versions.nodes_of(made).nodes.clear()
-    return made

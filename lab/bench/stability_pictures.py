@@ -177,9 +177,8 @@ def is_explained(image: NDArray[np.float64], shared: Sharing) -> bool:
 
 
 def _numbers_material() -> Material:
-    made = bpy.data.materials.new("VGroove gonio")
-    tree = versions.nodes_of(made)
-    tree.nodes.clear()
+    made = versions.empty_material("VGroove gonio")
+    tree = made.node_tree
     group, emission, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "Emission", "OutputMaterial"))
     group.node_tree = nodegroups.ensure(random_numbers.NAME, random_numbers.REVISION, random_numbers.build)
     tree.links.new(group.outputs[0], emission.inputs["Color"])

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ... import headless
-from ...addon.blender import course as animation
-from ...addon.blender import gonio
+from ...addon.blender import course, fcurves, gonio
 from ...addon.blender.course import Play
 from ...addon.library.presets import parse
 from ...addon.reference import (
@@ -118,7 +117,7 @@ def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
     )
     preset = parse(text, "check/step", "check")
     play = Play(driving, 1.0, FRAMES)
-    keys = animation.keyframes(preset.trajectory(), play)
+    keys = course.keyframes(preset.trajectory(), play)
     frames = (1.0 + FRAMES * np.array(MOMENTS)).tolist()
     geometry = gonio.Geometry(45.0, 0.0, (32, 32))
     with headless.quiet():
@@ -131,7 +130,7 @@ def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
         expected = rendered(CookTorrance(m, Schlick(1.0)), "direct")(geometry.wi(), geometry.wo())
         off = max(off, float(np.max(np.abs(image - expected)) / np.max(expected)))
     nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES
-    crowded = driving == "curves" and nearest < animation.CLOSEST
-    limit = f"F-curves have no two keys within {animation.CLOSEST:g} frames: a step takes that long" if crowded else ""
+    crowded = driving == "curves" and nearest < fcurves.CLOSEST
+    limit = f"F-curves have no two keys within {fcurves.CLOSEST:g} frames: a step takes that long" if crowded else ""
     more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= check.direct_bar(0.05)}
     return {"image": images.astype(np.float64), "limit": limit, "more": more}

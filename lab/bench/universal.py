@@ -24,11 +24,10 @@ from functools import partial
 from math import pi
 from typing import TYPE_CHECKING, Any
 
-import bpy
 import numpy as np
 
 from ... import nodegroups
-from ...addon.blender import course as animation
+from ...addon.blender import course
 from ...addon.blender import lamps as lamp_binding
 from ...addon.blender.material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
 from ...addon.library.checks import M_RANGE
@@ -126,7 +125,7 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
         switches["smooth"] = float(preset.m == 0.0)
         if play is not None:
             switches["age"] = age
-            keys = {_universal_name(n): of for n, of in animation.keyframes(preset.trajectory(), play).items()}
+            keys = {_universal_name(n): of for n, of in course.keyframes(preset.trajectory(), play).items()}
     if preset is not None and preset.kind == "thin":
         values["absorption"] = BLACK  # a sheet has no inside
     found: dict[str, Any] = {_property(name): value for name, value in switches.items()}
@@ -185,8 +184,7 @@ def build(choice: Choice, parts: Sequence[str] = PARTS) -> Material:
     The lamps that ``choice`` lacks of eight are suns of no strength.
     """
     form = form_of(choice)
-    made = bpy.data.materials.new(f"Universal ({form.estimator.title()})")
-    versions.nodes_of(made).nodes.clear()
+    made = versions.empty_material(f"Universal ({form.estimator.title()})")
     output = made.node_tree.nodes.new("ShaderNodeOutputMaterial")
     _add(made, output, choice, parts)
     made.cycles.use_bump_map_correction = form.estimator in UPRIGHT

@@ -58,9 +58,8 @@ def material(
     make = module.build_osl if setup.backend == "osl" else module.build
     name = f"{module.NAME}{' Sheet' * thin}{' Smooth' * (m == 0)}{' (OSL)' * (setup.backend == 'osl')}"
     group = nodegroups.ensure(name, module.REVISION, partial(make, thin=thin, smooth=m == 0))
-    made = bpy.data.materials.new(name)
-    tree = versions.nodes_of(made)
-    tree.nodes.clear()
+    made = versions.empty_material(name)
+    tree = made.node_tree
     node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
     node.node_tree = group
     node.inputs["IOR"].default_value, node.inputs["Tint"].default_value = eta, (*tint, 1.0)

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ... import headless
-from ...addon.blender import course as animation
-from ...addon.blender import gonio
+from ...addon.blender import course, gonio
 from ...addon.blender.course import Play
 from ...addon.library.presets import Preset, find
 from ...addon.library.timeline import plain
@@ -47,7 +46,7 @@ NOISY_ROWS = 4  # of the plan; a test holds it to the plan
 
 @cache
 def _keys(identity: str) -> dict[str, Keyframes]:
-    return animation.keyframes(find(identity).trajectory(), Play())
+    return course.keyframes(find(identity).trajectory(), Play())
 
 
 def play_of(preset: Preset, driving: str) -> Play:
@@ -160,6 +159,6 @@ def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
     """Every row, as the function that measures it and its arguments, of one course; the tests have all presets."""
     rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
     for setup in (SETUPS[0], SETUPS[2]):
-        for driving in animation.DRIVINGS:
+        for driving in course.DRIVINGS:
             rows += [(row, (setup, driving, "time_varying/rusting_iron")) for row in (direct_row, hybrid_row)]
     return check.side_by_side(rows)

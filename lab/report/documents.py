@@ -12,7 +12,8 @@ import re
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from ...addon.library.files import FileError, read_text, write_text
+from ...addon.library.errors import InputError
+from ...addon.library.files import read_text, write_text
 from ..bench.record import ReportError
 from . import summary
 from .words import percent, times
@@ -61,7 +62,7 @@ def write(folder: Path, found: list[Run]) -> Iterator[Path]:
         try:
             text = read_text(path, LONGEST_PAGE)
             new = rewritten(text, found)
-        except (FileError, ReportError) as error:
+        except InputError as error:
             message = f"{path}: {error}"
             raise ReportError(message) from error
         if new != text:

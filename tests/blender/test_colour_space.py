@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from vgroove import headless
-from vgroove.addon.blender import colour_space, colour_update, gonio, images, material, rebuild
-from vgroove.addon.blender import course as animation
+from vgroove.addon.blender import colour_space, colour_update, course, gonio, images, material, rebuild
 from vgroove.addon.blender.gonio import Geometry
 from vgroove.addon.blender.material import Choice, build
 from vgroove.addon.library import presets
@@ -304,13 +303,13 @@ def test_a_file_of_older_versions_is_mended_when_opened(blender, tmp_path, space
 
 
 @pytest.mark.blender
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
 @pytest.mark.parametrize("name", ["time_varying/heat_tinted_steel", "time_varying/silver_tarnish"])
 @pytest.mark.parametrize("space", SPACES)
 def test_a_course_is_right_in_every_space(followed, space, name, driving):
     """Blender converts no F-curve; the colours halfway are the preset's, and the course counts as nobody's edit."""
     preset = presets.find(name)
-    play = animation.Play(driving=driving, length=100.0)
+    play = course.Play(driving=driving, length=100.0)
     made = build(preset, Choice("nodes", "closure", play=play))
     time = preset.time.start + 0.4 * (preset.time.end - preset.time.start)
     expected = measured(build(preset.at(time), Choice("nodes", "closure")))
@@ -325,12 +324,12 @@ def test_a_course_is_right_in_every_space(followed, space, name, driving):
 
 
 @pytest.mark.blender
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
 @pytest.mark.parametrize("space", SPACES)
 def test_a_course_that_an_artist_changed_is_converted(followed, space, driving):
     """As it plays, not as the preset has it."""
     preset = presets.find("time_varying/heat_tinted_steel")
-    play = animation.Play(driving=driving, length=100.0)
+    play = course.Play(driving=driving, length=100.0)
     made = build(preset, Choice("nodes", "closure", play=play))
     if driving == "curves":
         moving = material.curves(made)
@@ -339,7 +338,7 @@ def test_a_course_that_an_artist_changed_is_converted(followed, space, driving):
             for point in curve.keyframe_points:
                 point.co.y *= 0.5
     else:
-        inside = animation.trajectory_node(made).node_tree
+        inside = course.trajectory_node(made).node_tree
         for node in inside.nodes:
             if "After" in node.inputs:
                 node.inputs["After"].default_value = [0.5 * of for of in node.inputs["After"].default_value]

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from vgroove import headless
-from vgroove.addon.blender import course as animation
-from vgroove.addon.blender import gonio, images, material, origin, rebuild
+from vgroove.addon.blender import course, fcurves, gonio, images, material, origin, rebuild
 from vgroove.addon.blender.course import AnimationError, Play
 from vgroove.addon.blender.material import Choice, MaterialError, build, lamps_to_bind
 from vgroove.addon.library.presets import find, parse, shipped
@@ -82,14 +81,14 @@ def shown(one, frame):
         name: np.array(of.default_value)[:3] if of.type in {"RGBA", "VECTOR"} else np.array(of.default_value)
         for name, of in sockets.items()
     }
-    node = animation.trajectory_node(one)
+    node = course.trajectory_node(one)
     if node is not None:
         age = node.inputs["Age"].default_value
         local = local_age(age, node.inputs["Rate"].default_value, node.inputs["Offset"].default_value)
-        for label, course in trajectory.keys_of(node.node_tree).items():
+        for label, played in trajectory.keys_of(node.node_tree).items():
             name = next(name for name in sockets if material.socket_name(name) == label)
-            ages, points = (np.array(part) for part in zip(*course, strict=True))
-            values[name] = animation.Keys(ages, points)(local)
+            ages, points = (np.array(part) for part in zip(*played, strict=True))
+            values[name] = course.Keys(ages, points)(local)
     return values
 
 
@@ -97,7 +96,7 @@ def shown(one, frame):
 
 
 @pytest.mark.parametrize("setup", SETUPS, ids=str)
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
 @pytest.mark.parametrize("name", CHANGING)
 def test_direct_renders_every_moment_as_the_reference_has_it(instrument, name, driving, setup):
     """Within the bars of the slope at that moment; red against a reference 1 % brighter."""
@@ -115,7 +114,7 @@ def test_hybrid_sends_back_at_every_moment_what_the_reference_says(instrument, n
     F-curves on an OSL material's inputs are those of nodes: they are looked at on a few.
     """
     for setup in SETUPS:
-        for driving in animation.DRIVINGS if name in SHORT or setup.backend == "nodes" else ("age",):
+        for driving in course.DRIVINGS if name in SHORT or setup.backend == "nodes" else ("age",):
             row = check_time.hybrid_row(setup, driving, name)
             assert len(row.views) == check_time.FURNACE_MOMENTS
             assert row.passed, (str(setup), driving, row.as_json())
@@ -128,18 +127,18 @@ def test_hybrid_sends_back_at_every_moment_what_the_reference_says(instrument, n
 @pytest.mark.parametrize("name", SHORT)
 def test_the_instrument_sees_a_course_that_is_off_by_one_percent_of_its_length(instrument, monkeypatch, name, setup):
     """Keys 1 % of the course too late turn the row red, in both ways of driving."""
-    original = animation.keyframes
+    original = course.keyframes
 
-    def late(course, play):
-        found = original(course, play)
-        return {name: animation.Keyframes(0.99 * keys.times + 0.01, keys.values) for name, keys in found.items()}
+    def late(changes, play):
+        found = original(changes, play)
+        return {name: course.Keyframes(0.99 * keys.times + 0.01, keys.values) for name, keys in found.items()}
 
-    for driving in animation.DRIVINGS:
+    for driving in course.DRIVINGS:
         play = check_time.play_of(find(name), driving)
         frames = check_time.moments(find(name), play)[::3]
         geometry = gonio.Geometry(45.0, 0.0, (32, 32))
         with monkeypatch.context() as patch, headless.quiet():
-            patch.setattr(animation, "keyframes", late)
+            patch.setattr(course, "keyframes", late)
             images = gonio.measure_course(
                 find(name), setup.backend, "direct", geometry, play, frames, shading_osl=setup.shading_osl
             )
@@ -170,7 +169,7 @@ def test_both_ways_of_driving_give_one_picture(instrument, name, setup):
                 frames,
                 shading_osl=setup.shading_osl,
             )
-            for driving in animation.DRIVINGS
+            for driving in course.DRIVINGS
         ]
     peak = images[0].max(axis=(1, 2, 3), keepdims=True)
     assert (np.abs(images[0] - images[1]) / peak).max() <= rounding_of(preset, play)
@@ -185,7 +184,7 @@ def rounding_of(preset, play):
     2 tan^2 / m^2 - 2, and tan^2 < 6 m^2. All parameters add up; f is no more than proportional to the others.
     """
     total = 0.0
-    for name, keys in animation.keyframes(preset.trajectory(), play).items():
+    for name, keys in course.keyframes(preset.trajectory(), play).items():
         values = keys.values.reshape(len(keys.times), -1)
         steepest = np.abs(np.diff(values, axis=0)).max(axis=1) / np.diff(keys.times) * keys.times[1:]
         rounded = 4.0 * EPS * (np.abs(values).max() + steepest.max())
@@ -212,7 +211,7 @@ def test_a_material_that_stands_still_has_nothing_of_time(blender):
     assert not any("trajectory" in text.name for text in blender.data.texts)
 
 
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
 @pytest.mark.parametrize("name", CHANGING)
 def test_only_what_changes_has_curves_or_is_driven(blender, name, driving):
     """F-curves of the changing parameters alone, or one of Age and links to them alone; no drivers."""
@@ -223,10 +222,10 @@ def test_only_what_changes_has_curves_or_is_driven(blender, name, driving):
     sockets = material.parameter_sockets(one)
     paths = {socket.path_from_id("default_value"): name for name, socket in sockets.items()}
     found = material.curves(one)
-    assert len(found) == len(animation._bag(one).fcurves)
+    assert len(found) == len(fcurves.channelbag(one).fcurves)
     if driving == "curves":
         assert {paths[curve.data_path] for curve in found} == set(preset.time.laws)
-        assert animation.trajectory_node(one) is None
+        assert course.trajectory_node(one) is None
     else:
         assert len(found) == 1
         assert {name for name, socket in sockets.items() if socket.is_linked} == set(preset.time.laws)
@@ -241,7 +240,7 @@ def test_each_material_is_made_once(blender):
         assert not material.is_edited(first)
         assert build(find(SHORT[0]), Choice(play=Play(length=100.0))) != first
         assert build(find(SHORT[0]), Choice()) != first
-        animation.retime(material.curves(first), 5.0, 50.0)
+        course.retime(material.curves(first), 5.0, 50.0)
         assert material.is_edited(first)
         assert build(find(SHORT[0]), Choice(play=Play())) != first
 
@@ -249,8 +248,8 @@ def test_each_material_is_made_once(blender):
 # Keys and frames
 
 
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
-@pytest.mark.parametrize("interpolation", animation.INTERPOLATIONS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
+@pytest.mark.parametrize("interpolation", course.INTERPOLATIONS)
 def test_keys_stay_within_the_tolerance_of_the_law(blender, driving, interpolation):
     """As Blender plays them; with handles no value leaves the parameter's own range between any two frames."""
     if driving == "age" and interpolation == "shape":
@@ -258,21 +257,21 @@ def test_keys_stay_within_the_tolerance_of_the_law(blender, driving, interpolati
             Play(driving, interpolation=interpolation)
         return
     preset = stiff()
-    course = preset.trajectory()
+    changes = preset.trajectory()
     # so long that the flash, 1e-5 h, lasts a frame
     one = made(blender, preset, driving=driving, interpolation=interpolation, start=1.0, length=1e6, tolerance=1e-3)
     parts = np.geomspace(1e-7, 1.0, 150), np.linspace(0.0, 1.0, 60), np.linspace(0.19, 0.21, 60)
     ages = np.unique(np.concatenate(parts))
     frames = np.float32(1.0 + ages * 1e6).astype(float)
     values = [shown(one, frame) for frame in frames]
-    for name in course.laws:
+    for name in changes.laws:
         got = np.array([value[name] for value in values])
-        law = course.value(name, course.time((frames - 1.0) / 1e6))
+        law = changes.value(name, changes.time((frames - 1.0) / 1e6))
         reach = np.ptp(law, axis=0).max()
         # float32: a value rounds by 2^-24, and a frame by 2^-24 of itself, at the law's steepest slope there
         steep = np.abs(np.gradient(law, frames, axis=0)) * (frames * EPS)[(...,) + (None,) * (law.ndim - 1)]
         assert (np.abs(got - law) <= 1e-3 * reach + 4.0 * EPS + 2.0 * steep).all()
-        whole = course.value(name, np.concatenate([course.laws[name].events(), course.time(ages)]))
+        whole = changes.value(name, np.concatenate([changes.laws[name].events(), changes.time(ages)]))
         assert (got >= whole.min(axis=0) - 1e-6).all()
         assert (got <= whole.max(axis=0) + 1e-6).all()
 
@@ -319,7 +318,7 @@ def flash(blender, empty_material):
     for frame, value in ((1.75, 0.0), (2.0, 1.0), (2.25, 0.0)):
         glow.inputs["Strength"].default_value = value
         glow.inputs["Strength"].keyframe_insert("default_value", frame=frame)
-    for curve in animation._bag(one).fcurves:
+    for curve in fcurves.channelbag(one).fcurves:
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
     view = blender.context.scene
@@ -357,12 +356,12 @@ def test_an_exposed_frame_sees_what_happens_within_it(flash, tmp_path, shutter, 
 
 
 @pytest.mark.parametrize("factor", [1e-6, 1e6])
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
 def test_an_extreme_retime_stays_finite_and_keeps_the_ends(blender, driving, factor):
     """A millionth or a million times as long."""
     one = made(blender, stiff(), driving=driving, start=10.0, length=100.0)
     start, end = (shown(one, frame) for frame in (10.0, 110.0))
-    animation.retime(material.curves(one), 10.0, 100.0 * factor)
+    course.retime(material.curves(one), 10.0, 100.0 * factor)
     for frame in (-1000.0, 0.0, 10.0):
         for name, value in shown(one, frame).items():
             np.testing.assert_allclose(value, start[name], atol=1e-6)
@@ -371,23 +370,23 @@ def test_an_extreme_retime_stays_finite_and_keeps_the_ends(blender, driving, fac
     if factor < 1.0:
         for name, value in shown(one, 11.0).items():
             np.testing.assert_allclose(value, end[name], atol=1e-6)
-    animation.retime(material.curves(one), 10.0, 100.0)
+    course.retime(material.curves(one), 10.0, 100.0)
     for name, value in shown(one, 110.0).items():
         np.testing.assert_allclose(value, end[name], atol=1e-6)
 
 
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
 def test_reverse_plays_the_course_from_its_end(blender, driving):
     """At frame f what was at first + last - f; twice is once again."""
     one = made(blender, find(SHORT[0]), driving=driving, start=5.0, length=60.0)
     frames = np.linspace(0.0, 70.0, 29)
     before = [shown(one, frame) for frame in frames]
-    animation.reverse(material.curves(one))
+    course.reverse(material.curves(one))
     mirrored = [shown(one, 70.0 - frame) for frame in frames]
     for a, b in zip(before, mirrored, strict=True):
         for name in a:
             np.testing.assert_allclose(a[name], b[name], atol=2e-6)
-    animation.reverse(material.curves(one))
+    course.reverse(material.curves(one))
     for a, frame in zip(before, frames, strict=True):
         for name, value in shown(one, frame).items():
             np.testing.assert_allclose(a[name], value, atol=2e-6)
@@ -397,7 +396,7 @@ def test_reverse_keeps_handles_too(blender):
     one = made(blender, find("time_varying/drying_paint"), interpolation="shape", start=5.0, length=60.0)
     frames = np.linspace(5.0, 65.0, 41)
     before = [float(shown(one, frame)["m"]) for frame in frames]
-    animation.reverse(material.curves(one))
+    course.reverse(material.curves(one))
     after = [float(shown(one, 70.0 - frame)["m"]) for frame in frames]
     np.testing.assert_allclose(before, after, atol=2e-6)
 
@@ -410,8 +409,8 @@ def test_baking_gives_the_curves_that_would_have_been_made(blender, name, backen
     aged = made(blender, preset, backend, driving="age", start=3.0, length=500.0)
     curved = made(blender, preset, backend, driving="curves", start=3.0, length=500.0)
     before = [shown(aged, frame) for frame in (1.0, 40.0, 333.25, 600.0)]
-    animation.bake(aged, material.parameter_sockets(aged))
-    assert animation.trajectory_node(aged) is None
+    course.bake(aged, material.parameter_sockets(aged))
+    assert course.trajectory_node(aged) is None
     assert not [group for group in blender.data.node_groups if group.name.startswith(trajectory.NAME)]
     assert not [text for text in blender.data.texts if "trajectory" in text.name]
     after = [shown(aged, frame) for frame in (1.0, 40.0, 333.25, 600.0)]
@@ -431,11 +430,11 @@ def test_baking_follows_a_curve_of_age_that_an_artist_shaped(blender):
     one = made(blender, find(SHORT[0]), driving="age", start=0.0, length=100.0)
     (curve,) = material.curves(one)
     curve.keyframe_points[0].interpolation = "BEZIER"
-    node = animation.trajectory_node(one)
+    node = course.trajectory_node(one)
     node.inputs["Rate"].default_value, node.inputs["Offset"].default_value = 1.5, 0.2
     frames = np.linspace(0.0, 100.0, 41)
     before = [shown(one, frame) for frame in frames]
-    animation.bake(one, material.parameter_sockets(one))
+    course.bake(one, material.parameter_sockets(one))
     for frame, expected in zip(frames, before, strict=True):
         for name, value in shown(one, frame).items():
             reach = np.ptp([each[name] for each in before], axis=0).max()
@@ -445,30 +444,30 @@ def test_baking_follows_a_curve_of_age_that_an_artist_shaped(blender):
 def test_baking_keeps_what_an_artist_changed_in_a_ramp(blender):
     """The keys are read from the nodes, or the script's text, as they are now."""
     one = made(blender, find(SHORT[0]), driving="age", start=0.0, length=100.0)
-    group = animation.trajectory_node(one).node_tree
+    group = course.trajectory_node(one).node_tree
     last = (
         next(node for node in group.nodes if node.bl_idname == "NodeGroupOutput").inputs["Slope m"].links[0].from_node
     )
     last.inputs["After"].default_value = 0.77
-    animation.bake(one, material.parameter_sockets(one))
+    course.bake(one, material.parameter_sockets(one))
     assert float(shown(one, 100.0)["m"]) == pytest.approx(0.77, abs=1e-6)
 
 
 def test_a_clock_from_a_texture_cannot_be_baked(blender):
     one = made(blender, find(SHORT[0]), driving="age")
-    node = animation.trajectory_node(one)
+    node = course.trajectory_node(one)
     noise = one.node_tree.nodes.new("ShaderNodeTexNoise")
     one.node_tree.links.new(noise.outputs[0], node.inputs["Offset"])
     with pytest.raises(AnimationError, match="come from a texture, which no curve can follow"):
-        animation.bake(one, material.parameter_sockets(one))
-    assert animation.trajectory_node(one) is not None
+        course.bake(one, material.parameter_sockets(one))
+    assert course.trajectory_node(one) is not None
     curved = made(blender, find(SHORT[0]))
     with pytest.raises(AnimationError, match="is not driven by Age"):
-        animation.bake(curved, material.parameter_sockets(curved))
+        course.bake(curved, material.parameter_sockets(curved))
 
 
 @pytest.mark.parametrize("backend", material.BACKENDS)
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
 def test_removing_leaves_the_moment_and_nothing_else(blender, driving, backend):
     """The material stands as the frame showed it; no curve, action, node, group or text stays. Lamps stay bound."""
     lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "SUN"))
@@ -494,7 +493,7 @@ def test_a_course_can_be_added_again_and_reset(blender):
     """After it was taken away, or changed: as it was built."""
     one = made(blender, find(SHORT[0]), start=1.0, length=100.0)
     fresh = shown(one, 51.0)
-    animation.retime(material.curves(one), 200.0, 10.0)
+    course.retime(material.curves(one), 200.0, 10.0)
     rebuild.reset(one, blender.context.scene)
     for name, value in shown(one, 51.0).items():
         np.testing.assert_allclose(value, fresh[name], atol=1e-6)
@@ -513,7 +512,7 @@ def test_a_course_can_be_added_again_and_reset(blender):
 def test_a_saved_file_plays_as_before(blender, tmp_path):
     """Keys nearer than a hundredth of a frame too, which Blender's own tools would merge."""
     paths = {}
-    for driving in animation.DRIVINGS:
+    for driving in course.DRIVINGS:
         with headless.quiet():
             blender.ops.wm.read_factory_settings(use_empty=True)
         one = made(blender, stiff(), driving=driving, start=1.0, length=5e3)
@@ -561,7 +560,7 @@ def test_a_plane_with_a_textured_clock_matches_the_reference_per_pixel(blender, 
             item.frame_set(int(frame))
         image = gonio.rendered(stage)[::-1]  # row 0 at v = 0, as the texture
     ages = local_age(np.float32(0.39), rate.astype(np.float32), offset.astype(np.float32))
-    keys = {parameter: of.law() for parameter, of in animation.keyframes(preset.trajectory(), play).items()}
+    keys = {parameter: of.law() for parameter, of in course.keyframes(preset.trajectory(), play).items()}
     wi, wo = np.array([np.sin(theta), 0.0, np.cos(theta)]), np.array([0.0, 0.0, 1.0])
     expected = np.empty((size, size, 3))
     for index in np.ndindex(size, size):
@@ -586,7 +585,7 @@ def _texture(blender, one, rate, offset):
     texture, split = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeSeparateColor")
     texture.image, texture.interpolation = picture, "Closest"
     tree.links.new(texture.outputs["Color"], split.inputs[0])
-    node = animation.trajectory_node(one)
+    node = course.trajectory_node(one)
     tree.links.new(split.outputs[0], node.inputs["Rate"])
     tree.links.new(split.outputs[1], node.inputs["Offset"])
 
@@ -612,7 +611,7 @@ def test_a_play_that_does_not_hold_is_refused(given, complaint):
 
 def test_what_has_no_keys_cannot_be_retimed(blender):
     with pytest.raises(AnimationError, match="has no keys"):
-        animation.retime([], 1.0, 2.0)
+        course.retime([], 1.0, 2.0)
 
 
 def test_a_script_that_does_not_compile_leaves_nothing_behind(blender, monkeypatch):
@@ -628,9 +627,9 @@ def test_a_script_that_does_not_compile_leaves_nothing_behind(blender, monkeypat
 
 def test_keys_of_a_course_are_those_that_the_reference_places(blender):
     """By age, within the tolerance that was asked for."""
-    course = find("time_varying/drying_paint").trajectory()
+    changes = find("time_varying/drying_paint").trajectory()
     for tolerance in (1e-2, 1e-3):
-        keys = animation.keyframes(course, Play(tolerance=tolerance))
-        for name in course.laws:
-            direct = place_keys(course, name, tolerance)
+        keys = course.keyframes(changes, Play(tolerance=tolerance))
+        for name in changes.laws:
+            direct = place_keys(changes, name, tolerance)
             assert abs(keys[name].times.size - direct.times.size) <= 1

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from vgroove import headless, nodegroups
-from vgroove.addon.blender import course as animation
-from vgroove.addon.blender import material, origin, roles
+from vgroove.addon.blender import course, material, origin, roles
 from vgroove.addon.blender.course import Play
 from vgroove.addon.blender.material import Choice, MaterialError, build
 from vgroove.addon.blender.rebuild import rebuild, reset
@@ -128,21 +127,21 @@ def test_a_rebuilt_material_is_one_built_anew(blender, stage, identity, backend)
         blender.data.materials.remove(new)
 
 
-@pytest.mark.parametrize("driving", animation.DRIVINGS)
+@pytest.mark.parametrize("driving", course.DRIVINGS)
 def test_a_course_goes_on_through_a_rebuild(blender, stage, driving):
     """Its keys as an artist retimed them; unedited it stays unedited."""
     made = build(presets.find("time_varying/yellowing_paper"), Choice("nodes", "fit", play=Play(driving)))
     rebuild(made, stage, estimator="hybrid")
     assert not material.is_edited(made)
-    animation.retime(material.curves(made), 10.0, 50.0)
+    course.retime(material.curves(made), 10.0, 50.0)
     rebuild(made, stage, estimator="closure")
-    assert animation.span_of(material.curves(made)) == (10.0, 60.0)
-    assert (animation.trajectory_node(made) is not None) == (driving == "age")
+    assert course.span_of(material.curves(made)) == (10.0, 60.0)
+    assert (course.trajectory_node(made) is not None) == (driving == "age")
     assert material.is_edited(made)
     rebuild(made, stage, play=None)
     assert not material.plays(made)
     rebuild(made, stage, play=Play("curves", 1.0, 5.0))
-    assert animation.span_of(material.curves(made)) == (1.0, 6.0)
+    assert course.span_of(material.curves(made)) == (1.0, 6.0)
     assert not material.is_edited(made)
 
 
@@ -185,7 +184,7 @@ def test_nodes_are_known_by_their_roles_not_their_labels(blender, stage):
         node.node_tree = group
     assert material.origin_of(made).preset.m == pytest.approx(COPPER.m)
     assert {one.node for one in material.parameter_sockets(made).values()} == {model(made)}
-    assert animation.trajectory_node(made) is None
+    assert course.trajectory_node(made) is None
     material.parameter_sockets(made)["m"].default_value = 0.9
     reset(made, stage)
     assert material.origin_of(made).preset.m == pytest.approx(COPPER.m)

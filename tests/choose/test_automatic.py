@@ -72,10 +72,9 @@ def add_sun(shown):
 
 def add_emitter(blender, shown, side=0.1):
     """A square that shines, above the origin."""
-    mesh, made = blender.data.meshes.new("Lit"), blender.data.materials.new("Lit")
+    mesh, made = blender.data.meshes.new("Lit"), versions.empty_material("Lit")
     mesh.from_pydata([(-side, -side, 0), (side, -side, 0), (side, side, 0), (-side, side, 0)], [], [(0, 1, 2, 3)])
-    tree = versions.nodes_of(made)
-    tree.nodes.clear()
+    tree = made.node_tree
     shine, out = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(shine.outputs[0], out.inputs["Surface"])
     mesh.materials.append(made)

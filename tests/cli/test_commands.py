@@ -3,6 +3,7 @@
 
 import csv
 import json
+import os
 import re
 import subprocess
 import sys
@@ -256,7 +257,7 @@ def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
     row = check.direct_row(check.SETUPS[0], "schlick", 0.3)
     for factor, code in ((1.0, 0), (1.01, 1)):
         monkeypatch.setattr(check_all, "plan", lambda factor=factor: [(row.scaled, (factor,))])
-        assert cli._run(lambda: cli.app(["check"], standalone_mode=False)) == code
+        assert cli.run(lambda: cli.app(["check"], standalone_mode=False)) == code
 
 
 def test_explain_says_what_is_built_and_what_is_not():
@@ -441,3 +442,26 @@ def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
     assert (tmp_path / "page.html").read_text(encoding="utf-8").count("<article") == 4
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"results.csv", *(f"{row['task']}.exr" for row in rows)}
+
+
+# Closed pipes
+
+
+@pytest.mark.parametrize("arguments", [["presets", "--json"], ["presets"], ["presets", "copper", "--json"]])
+def test_output_that_nobody_reads_ends_the_command_quietly(arguments):
+    """As ``vgroove presets --json | head`` does: exit code 141, as shells have it, and nothing on standard error."""
+    command = [str(Path(sys.executable).parent / "vgroove"), *arguments]
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (cli.CLOSED_PIPE, "")
+
+
+def test_an_error_that_nobody_reads_ends_the_command_quietly():
+    command = [str(Path(sys.executable).parent / "vgroove"), "render", "copper", "-o", "a.gif"]
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=writing, text=True, check=False)
+    os.close(writing)
+    assert (done.returncode, done.stdout) == (cli.CLOSED_PIPE, "")

@@ -7,6 +7,7 @@ import pytest
 from vgroove.addon.blender.material import BUILDERS
 from vgroove.lab.bench import accuracy, contenders, scenes, statistics
 from vgroove.lab.report import findings
+from vgroove.nodegroups import versions
 
 RNG = np.random.default_rng(7)
 PIXELS = 200
@@ -131,7 +132,7 @@ def test_each_scene_shows_its_ball_where_it_is_judged(name, blender):
     from vgroove.addon.blender import gonio
 
     with headless.quiet(), scenes.stage(name, 16) as shown:
-        made = scenes.new_material("Glow")
+        made = versions.empty_material("Glow")
         glow, output = (
             made.node_tree.nodes.new("ShaderNodeEmission"),
             made.node_tree.nodes.new("ShaderNodeOutputMaterial"),

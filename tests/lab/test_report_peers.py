@@ -135,7 +135,7 @@ def test_the_maps_cut_loses_no_light():
 
 def shaded(kind, **values):
     """A material of one node of Blender's."""
-    made = scenes.new_material("Peer")
+    made = versions.empty_material("Peer")
     bsdf, output = made.node_tree.nodes.new(kind), made.node_tree.nodes.new("ShaderNodeOutputMaterial")
     made.node_tree.links.new(bsdf.outputs[0], output.inputs["Surface"])
     for name, value in values.items():

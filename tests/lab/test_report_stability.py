@@ -8,8 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from vgroove.addon.blender import course as animation
-from vgroove.addon.blender import gonio, lamps, rays
+from vgroove.addon.blender import fcurves, gonio, lamps, rays
 from vgroove.addon.library import presets
 from vgroove.addon.library.checks import M_RANGE
 from vgroove.addon.reference import Keyframes
@@ -242,8 +241,8 @@ def test_a_step_shorter_than_keys_may_be_apart_leads_from_the_laws_value_to_the_
     crowd = 1.0 + 240.0 * at + 1e-5 * within
     times = np.unique([1.0, *crowd, 241.0])
     keys = Keyframes(times, np.interp(times, crowd, np.linspace(1.0, 0.05, 9)))
-    apart = animation._apart(keys)
-    assert np.diff(apart.times).min() >= animation.CLOSEST * (1.0 - 1e-9)  # 1e-3 added to 241 rounds by 2^-46
+    apart = fcurves.apart(keys)
+    assert np.diff(apart.times).min() >= fcurves.CLOSEST * (1.0 - 1e-9)  # 1e-3 added to 241 rounds by 2^-46
     assert set(apart.times) >= {1.0, 241.0}
     for frame in (61.0, 120.99, 121.01, 181.0):
         assert np.interp(frame, apart.times, apart.values) == pytest.approx(np.interp(frame, times, keys.values))

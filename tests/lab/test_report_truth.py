@@ -8,6 +8,7 @@ from vgroove import headless
 from vgroove.addon.blender import gonio
 from vgroove.addon.reference import CookTorrance, Lambert, Schlick
 from vgroove.lab.bench import contenders, scenes, truth
+from vgroove.nodegroups import versions
 
 pytestmark = pytest.mark.blender
 
@@ -16,7 +17,7 @@ SCENES = ("environment", "softbox", "sun", "outdoors")
 
 
 def lambert(shown, colour):
-    made = scenes.new_material("Lambert")
+    made = versions.empty_material("Lambert")
     tree = made.node_tree
     bsdf, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
     bsdf.inputs["Color"].default_value = (*colour, 1.0)

@@ -12,9 +12,9 @@ from vgroove.addon.blender.material import Choice
 from vgroove.addon.blender.rebuild import rebuild
 from vgroove.addon.choose import advice
 from vgroove.addon.reference.cook_torrance_fit import FUNCTIONS, interpolated, tables
-from vgroove.lab.bench.scenes import new_material
 from vgroove.lab.check import rows as check
 from vgroove.nodegroups import fit_table
+from vgroove.nodegroups.versions import empty_material
 
 pytestmark = pytest.mark.blender
 
@@ -149,7 +149,7 @@ def looked_up(setup, block, u, root, *, alpha=False):
         shown = tree.node("ShaderNodeEmission", Color=fourth if alpha else color)
         tree.output_shader("Found", shown.outputs[0], tip="As light")
 
-    made = new_material("Look up")
+    made = empty_material("Look up")
     group, sink = (made.node_tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "OutputMaterial"))
     group.node_tree = nodegroups.make("Look up", 1, build)
     made.node_tree.links.new(group.outputs[0], sink.inputs["Surface"])

@@ -294,9 +294,8 @@ OSL = (
 
 def material(blender, make):
     """One closure, to the output."""
-    made = blender.data.materials.new("Probe")
-    node_tree = versions.nodes_of(made)
-    node_tree.nodes.clear()
+    made = versions.empty_material("Probe")
+    node_tree = made.node_tree
     out = node_tree.nodes.new("ShaderNodeOutputMaterial")
     if isinstance(make, str):
         script = node_tree.nodes.new("ShaderNodeScript")

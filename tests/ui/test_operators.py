@@ -7,8 +7,7 @@ import pytest
 
 import vgroove
 from vgroove import headless
-from vgroove.addon.blender import course as animation
-from vgroove.addon.blender import material, roles
+from vgroove.addon.blender import course, material, roles
 from vgroove.addon.library import presets
 from vgroove.addon.ui import operators
 
@@ -300,7 +299,7 @@ def test_what_was_taken_out_of_a_trajectory_is_refused_in_words(extension, rusti
     """A ramp, the group, the whole node: polls answer, and Remove and Reset still work."""
     for what in ("ramp", "script's text", "output", "group", "node"):
         made = rusting("age")
-        node = animation.trajectory_node(made)
+        node = course.trajectory_node(made)
         if what in {"ramp", "script's text"}:
             sink = next(one for one in node.node_tree.nodes if one.bl_idname == "NodeGroupOutput")
             last = sink.inputs["Slope m"].links[0].from_node
@@ -316,7 +315,7 @@ def test_what_was_taken_out_of_a_trajectory_is_refused_in_words(extension, rusti
             extension.data.node_groups.remove(node.node_tree)
         else:
             made.node_tree.nodes.remove(node)
-        whole = animation.trajectory_node(made) is not None
+        whole = course.trajectory_node(made) is not None
         if whole:
             with pytest.raises(RuntimeError, match="was changed and cannot be read; remove the course"):
                 run(extension, "course_bake")
@@ -328,7 +327,7 @@ def test_what_was_taken_out_of_a_trajectory_is_refused_in_words(extension, rusti
             assert run(extension, "course_remove") == {"FINISHED"}
         assert run(extension, "reset") == {"FINISHED"}
         assert run(extension, "course_add") == {"FINISHED"}
-        assert animation.trajectory_node(made) is not None
+        assert course.trajectory_node(made) is not None
         extension.data.materials.remove(made)
 
 

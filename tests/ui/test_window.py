@@ -638,28 +638,28 @@ def slope(extension, made, frame):
 
 def test_apply_plays_a_preset_that_changes(extension, rusting):
     """By curves, by Age, or not at all where the panel says so."""
-    from vgroove.addon.blender import course as animation
+    from vgroove.addon.blender import course
 
     made = rusting(start=10.0, length=100.0)
     assert [slope(extension, made, frame) for frame in (1, 10, 110, 200)] == pytest.approx([0.0645] * 2 + [0.27153] * 2)
-    assert animation.trajectory_node(rusting(driving="age")) is not None
+    assert course.trajectory_node(rusting(driving="age")) is not None
     assert not material.plays(rusting(play=False))
 
 
 def test_start_and_length_are_in_seconds_or_frames(extension):
     """At the scene's own frame rate."""
-    stage, course = extension.context.scene, extension.context.scene.vgroove_course
+    stage, settings = extension.context.scene, extension.context.scene.vgroove_course
     stage.render.fps, stage.render.fps_base = 30, 1.001
-    course.start_seconds, course.length_seconds = 1.0, 10.0
-    assert course.start == pytest.approx(30.0 / 1.001)
-    assert course.length == pytest.approx(300.0 / 1.001)
-    course.length = 60.0
-    assert course.length_seconds == pytest.approx(2.002)
+    settings.start_seconds, settings.length_seconds = 1.0, 10.0
+    assert settings.start == pytest.approx(30.0 / 1.001)
+    assert settings.length == pytest.approx(300.0 / 1.001)
+    settings.length = 60.0
+    assert settings.length_seconds == pytest.approx(2.002)
 
 
 def test_courses_are_retimed_reversed_baked_removed_and_added_again(extension, rusting):
     """On every selected object at once."""
-    from vgroove.addon.blender import course as animation
+    from vgroove.addon.blender import course
 
     made = rusting(driving="age")
     other = extension.data.objects.new("Other", extension.data.meshes.new("Other"))
@@ -667,13 +667,13 @@ def test_courses_are_retimed_reversed_baked_removed_and_added_again(extension, r
     extension.context.collection.objects.link(other)
     other.select_set(state=True)
     both = [made, other.active_material]
-    ops, course = extension.ops.vgroove, extension.context.scene.vgroove_course
+    ops, settings = extension.ops.vgroove, extension.context.scene.vgroove_course
     with headless.quiet():
         assert ops.course_bake() == {"FINISHED"}
-        assert not any(animation.trajectory_node(one) for one in both)
-        course.start, course.length = 5.0, 10.0
+        assert not any(course.trajectory_node(one) for one in both)
+        settings.start, settings.length = 5.0, 10.0
         assert ops.course_retime() == {"FINISHED"}
-        assert [animation.span_of(material.curves(one)) for one in both] == [(5.0, 15.0)] * 2
+        assert [course.span_of(material.curves(one)) for one in both] == [(5.0, 15.0)] * 2
         assert ops.course_reverse() == {"FINISHED"}
     assert [slope(extension, one, 15) for one in both] == pytest.approx([0.0645] * 2)
     with headless.quiet():
@@ -681,7 +681,7 @@ def test_courses_are_retimed_reversed_baked_removed_and_added_again(extension, r
         assert not any(material.plays(one) for one in both)
         assert len(extension.data.actions) == 0
         assert ops.course_add() == {"FINISHED"}
-    assert all(animation.trajectory_node(one) for one in both)
+    assert all(course.trajectory_node(one) for one in both)
 
 
 @pytest.mark.parametrize(
@@ -710,7 +710,7 @@ def test_each_change_of_a_course_is_one_undo_step(extension, rusting, operator):
 
 def test_courses_refuse_in_words(extension, rusting):
     """What has none, and a clock that comes from a texture."""
-    from vgroove.addon.blender import course as animation
+    from vgroove.addon.blender import course
 
     ops = extension.ops.vgroove
     with pytest.raises(RuntimeError, match="came from this panel and changes over time"):
@@ -719,10 +719,10 @@ def test_courses_refuse_in_words(extension, rusting):
         ops.course_add()
     made = rusting(driving="age")
     noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
-    made.node_tree.links.new(noise.outputs[0], animation.trajectory_node(made).inputs["Rate"])
+    made.node_tree.links.new(noise.outputs[0], course.trajectory_node(made).inputs["Rate"])
     with headless.quiet(), pytest.raises(RuntimeError, match="come from a texture, which no curve can follow"):
         ops.course_bake()
-    assert animation.trajectory_node(made) is not None
+    assert course.trajectory_node(made) is not None
 
 
 def test_the_panel_says_how_a_preset_changes(extension, rusting):
@@ -750,7 +750,7 @@ def test_the_panel_says_how_a_preset_changes(extension, rusting):
 @pytest.mark.parametrize("driving", ["curves", "age"])
 def test_a_course_that_was_edited_is_saved_with_the_preset(extension, own_folder, rusting, driving):
     """Its keys as they are now; one that was not keeps its laws."""
-    from vgroove.addon.blender import course as animation
+    from vgroove.addon.blender import course
     from vgroove.addon.library import presets
 
     made = rusting(driving=driving)
@@ -762,7 +762,7 @@ def test_a_course_that_was_edited_is_saved_with_the_preset(extension, own_folder
         curve = next(c for c in material.curves(made) if c.data_path == socket.path_from_id("default_value"))
         curve.keyframe_points[-1].co.y = 0.66
     else:
-        group = animation.trajectory_node(made).node_tree
+        group = course.trajectory_node(made).node_tree
         output = next(node for node in group.nodes if node.bl_idname == "NodeGroupOutput")
         output.inputs["Slope m"].links[0].from_node.inputs["After"].default_value = 0.66
     with headless.quiet():
