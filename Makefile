@@ -5,6 +5,7 @@ UV := $(shell command -v uv 2>/dev/null || echo .tools/uv/bin/uv)
 RUN = $(UV) run --quiet
 RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
+PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
 .PHONY: demo test test-4.5 test-5.3 test-all lint check report across documents previews assets package clean
 
@@ -14,18 +15,18 @@ demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against Num
 test test-4.5 test-5.3 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
 
 test: | $(UV)  ## every test, on Blender 5.2 LTS; of grids of renders each value
-	$(RUN) pytest -n auto
+	$(RUN) $(PYTEST)
 
 test-4.5: | $(UV)  ## on Blender 4.5 LTS, what depends on the Blender
-	$(RUN_45) pytest -n auto
+	$(RUN_45) $(PYTEST)
 
 test-5.3: | $(UV)  ## on Blender 5.3
-	$(RUN_53) pytest -n auto
+	$(RUN_53) $(PYTEST)
 
 test-all: | $(UV)  ## every row of every grid, on all three
-	$(RUN) pytest -n auto --cover 0
-	$(RUN_45) pytest -n auto --cover 0
-	$(RUN_53) pytest -n auto --cover 0
+	$(RUN) $(PYTEST) --cover 0
+	$(RUN_45) $(PYTEST) --cover 0
+	$(RUN_53) $(PYTEST) --cover 0
 
 lint: | $(UV)  ## format, lint, types
 	$(RUN) ruff format --check .

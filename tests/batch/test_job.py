@@ -210,9 +210,9 @@ def test_what_does_not_hold_is_one_line(table):
     assert len(str(caught.value)) <= LONGEST_MESSAGE
 
 
-@pytest.mark.parametrize("table", MALFORMED)
+@pytest.mark.parametrize("table", MALFORMED[::10])
 def test_the_command_ends_with_it_and_exit_code_2(table, tmp_path, capsys, monkeypatch):
-    """And has written nothing."""
+    """And has written nothing. Each tenth, as the command only passes on what the test above looks at."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "job.toml").write_text("[[render]]\n" + table, encoding="utf-8")
     assert cli.run(lambda: cli.app(["batch", "job.toml", "-o", "out"], standalone_mode=False)) == 2

@@ -19,14 +19,14 @@ from vgroove.batch.task import Renderer
 from vgroove.headless import assignment, scene
 from vgroove.nodegroups import versions
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.usefixtures("quick_sky")]
 
 VERSIONS = {"vgroove": "test"}
 SMALL = 'samples = 2\nresolution = "24x16"\n'
 
 
 @pytest.fixture
-def gate(blender, tmp_path):
+def gate(blender, quick_sky, tmp_path):
     """A folder with a .blend: the preview scene at 20x10 and 3 samples, whose ball sinks from frame 1 on."""
     with headless.quiet():
         shown = scene.preview()

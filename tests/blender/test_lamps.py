@@ -111,12 +111,27 @@ def in_set(stage, item):
     stage.background_set.collection.objects.link(item)
 
 
-def floor_image(
-    bpy, make_material, kind, *, shading_osl, occluder=False, settings=None, samples=1, seed=0, size=64, eye_near=False,
+def by_seed(stage, seeds):
+    """The stage's render for each seed. Cycles keeps all but the seed, as preparing it takes longer than the render."""
+    stage.render.use_persistent_data = True
+    found = []
+    for seed in seeds:
+        stage.cycles.seed = seed
+        found.append(gonio.rendered(stage).astype(float))
+    return found
+
+
+def floor_image(*given, **settings):
+    """Radiance of a floor 4 m wide, seen from above, lit by one lamp, without bounces."""
+    return floor_images([0], *given, **settings)[0]
+
+
+def floor_images(
+    seeds, bpy, make_material, kind, *, shading_osl, occluder=False, settings=None, samples=1, size=64, eye_near=False,
     bring=as_object,
 ):  # fmt: skip
-    """Radiance of a floor 4 m wide, seen from above, lit by one lamp, without bounces."""
-    with headless.quiet(), gonio.stage((size, size), samples=samples, seed=seed, shading_osl=shading_osl) as stage:
+    """``floor_image`` for each seed."""
+    with headless.quiet(), gonio.stage((size, size), samples=samples, seed=0, shading_osl=shading_osl) as stage:
         stage.cycles.max_bounces = 0
         gonio.light(stage, gonio.Geometry())
         bpy.data.objects.remove(stage.objects[0])
@@ -136,7 +151,7 @@ def floor_image(
         eye.location = (0.3, -0.4, 1.3) if eye_near else (0, 0, 5)
         stage.collection.objects.link(eye)
         stage.camera = eye
-        return gonio.rendered(stage).astype(float)
+        return by_seed(stage, seeds)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -284,21 +299,17 @@ def two_floors(blender, empty_material):
         kind, settings = SIZED[case] if isinstance(case, str) else case
         arguments = {"shading_osl": setup.shading_osl, "settings": settings, "samples": samples, "size": 32}
         arguments |= {"occluder": occluder} | more
-        ours = [
-            floor_image(
-                blender,
-                lambda item: irradiance_material(empty_material, item, setup.backend, shadows=occluder),
-                kind,
-                seed=seed,
-                **arguments,
-            )
-            for seed in range(SEEDS)
-        ]
-        cycles = [
-            pi * floor_image(blender, lambda _: white_diffuse(empty_material), kind, seed=seed + 50, **arguments)
-            for seed in range(SEEDS)
-        ]
-        return seen(ours), seen(cycles)
+        ours = floor_images(
+            range(SEEDS),
+            blender,
+            lambda item: irradiance_material(empty_material, item, setup.backend, shadows=occluder),
+            kind,
+            **arguments,
+        )
+        cycles = floor_images(
+            range(50, 50 + SEEDS), blender, lambda _: white_diffuse(empty_material), kind, **arguments
+        )
+        return seen(ours), seen(pi * np.array(cycles))
 
     return render
 
@@ -371,19 +382,16 @@ def test_a_disc_of_sun_and_a_ball_give_what_a_point_gives(blender, empty_materia
     for sized in (False, True):
         _, settings = given(kind, **(values if sized else {}), location=(0.7, -0.4, 1.5))
         images.append(
-            [
-                floor_image(
-                    blender,
-                    lambda item: irradiance_material(empty_material, item, setup.backend, shadows=False),
-                    kind,
-                    shading_osl=setup.shading_osl,
-                    settings=settings,
-                    samples=128,
-                    seed=seed,
-                    size=32,
-                )
-                for seed in range(SEEDS)
-            ]
+            floor_images(
+                range(SEEDS),
+                blender,
+                lambda item: irradiance_material(empty_material, item, setup.backend, shadows=False),
+                kind,
+                shading_osl=setup.shading_osl,
+                settings=settings,
+                samples=128,
+                size=32,
+            )
         )
     passed, resolves = judged(seen(images[1]), seen(images[0]), 4)
     assert passed
@@ -443,11 +451,9 @@ def test_each_lamp_draws_its_own_numbers(blender, setup):
     """Two lamps in one place: their variances add, where common numbers would give twice the sum."""
     variances = []
     for count in (1, 2):
-        images = []
-        for seed in range(8):
-            with ball_under(blender, ["AREA"] * count, setup, seed=seed) as (stage, _):
-                images.append(gonio.rendered(stage)[..., 0].astype(float))
-        variances.append(np.var(images, axis=0, ddof=1).sum())
+        with ball_under(blender, ["AREA"] * count, setup) as (stage, _):
+            images = by_seed(stage, range(8))
+        variances.append(np.var(np.array(images)[..., 0], axis=0, ddof=1).sum())
     # About 400 pixels of 7 degrees of freedom: each sum is known to 3 %.
     assert variances[1] == pytest.approx(2 * variances[0], rel=0.15)
 
@@ -477,12 +483,9 @@ def test_corrected_under_a_lamp_with_a_size_is_the_formula(blender, setup, kind,
     """
     tests, blocks = len(BACKENDS) * 5, {}
     for estimator in ("direct", "corrected"):
-        images = []
-        for seed in range(SEEDS):
-            arguments = {"estimator": estimator, "m": m, "samples": 512, "seed": seed + 10 * len(blocks)}
-            with ball_under(blender, [kind], setup, **arguments) as (stage, _):
-                images.append(gonio.rendered(stage).astype(float))
-        blocks[estimator] = seen(images)
+        with ball_under(blender, [kind], setup, estimator=estimator, m=m, samples=512) as (stage, _):
+            first = 10 * len(blocks)
+            blocks[estimator] = seen(by_seed(stage, range(first, first + SEEDS)))
     mean, variance = blocks["direct"]
     assert judged(blocks["corrected"], blocks["direct"], tests)[0]
     for factor in (1 - least, 1 + least):
@@ -490,9 +493,9 @@ def test_corrected_under_a_lamp_with_a_size_is_the_formula(blender, setup, kind,
 
 
 @contextmanager
-def ball_under(bpy, kinds, setup, chosen=None, seed=0, *, estimator="direct", m=0.5, samples=16):
+def ball_under(bpy, kinds, setup, chosen=None, *, estimator="direct", m=0.5, samples=16):
     """A stage whose ball is lit by lamps with a size above it, seen from above; yields it and the lamps."""
-    with headless.quiet(), gonio.stage((24, 24), samples=samples, seed=seed, shading_osl=setup.shading_osl) as stage:
+    with headless.quiet(), gonio.stage((24, 24), samples=samples, seed=0, shading_osl=setup.shading_osl) as stage:
         stage.cycles.filter_width = 1.0
         gonio.light(stage, gonio.Geometry())
         bpy.data.objects.remove(stage.objects[0])

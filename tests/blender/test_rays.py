@@ -130,7 +130,7 @@ def white():
 
 
 @pytest.fixture
-def far(blender):
+def far(blender, quick_sky):
     """The preview scene 10 km from the origin, through an orthographic camera."""
     with headless.quiet():
         shown = scene.preview()

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line's contract: exit codes, one line for bad input, whole files or none."""
+"""The command line's contract: exit codes, one line for bad input, whole files or none.
+
+A kind of command is run as a process of its own once (``process``), and otherwise in this one.
+"""
 
 import csv
 import json
@@ -7,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,20 +19,25 @@ import pytest
 from vgroove import cli
 from vgroove.addon.reference import CookTorrance, Schlick, albedo
 
-pytestmark = pytest.mark.blender
+from .. import commands
+
+pytestmark = [pytest.mark.blender, pytest.mark.usefixtures("blender")]
+
+vgroove = partial(commands.vgroove, longest=300)  # batches begin processes
 
 
-def vgroove(*arguments, cwd=None):
+def process(*arguments):
     """Run the command as a user does."""
     command = [str(Path(sys.executable).parent / "vgroove"), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return commands.Said(done.returncode, done.stdout, done.stderr)
 
 
 def test_presets_as_json_hold_the_contract():
     """A list of {id, name, family, model, parameters, source}."""
     done = vgroove("presets", "copper", "--json")
-    assert done.returncode == 0
-    found = {preset["id"]: preset for preset in json.loads(done.stdout)}
+    assert done.code == 0
+    found = {preset["id"]: preset for preset in json.loads(done.out)}
     assert {"lecture/copper", "metals/copper", "finished_metals/copper_satin"} < set(found)
     preset = found["lecture/copper"]
     assert set(preset) == {"id", "name", "family", "model", "parameters", "source"}
@@ -109,10 +118,10 @@ def test_a_broken_scene_is_one_line_and_exit_2(tmp_path):
     """What Blender itself says of it is not heard."""
     path = tmp_path / "broken.blend"
     path.write_bytes(b"this is no blend file")
-    done = vgroove("render", path, "-o", tmp_path / "a.png")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert done.stderr.startswith(f"vgroove: {path}: cannot be opened as a .blend")
+    done = process("render", path, "-o", tmp_path / "a.png")
+    assert (done.code, done.out) == (2, "")
+    assert len(done.err.strip().splitlines()) == 1
+    assert done.err.startswith(f"vgroove: {path}: cannot be opened as a .blend")
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -127,8 +136,8 @@ def test_measure_writes_the_brdf_with_its_story(tmp_path):
     """Pixel (x, y) is phi_o = 2 pi (x + .5)/W, theta_o = (pi/2)(y + .5)/H; parameters are in the attributes."""
     path = tmp_path / "f.exr"
     done = vgroove("measure", "copper", "--theta-i", "45", "--set", "m=0.2", "--resolution", "32x16", "-o", path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == ""
+    assert done.code == 0, done.err
+    assert done.out == ""
     image, spec = read_exr(path)
     assert image.shape == (16, 32, 3)
     assert spec.channelnames == ("R", "G", "B")
@@ -150,10 +159,10 @@ def test_measure_writes_the_brdf_with_its_story(tmp_path):
 def test_measure_furnace_gives_the_albedo(tmp_path):
     """The mean over the image agrees with quadrature within 4 standard errors."""
     path = tmp_path / "e.exr"
-    done = vgroove(
+    done = process(
         "measure", "copper", "--furnace", "--samples", "256", "--resolution", "16x16", "--backend", "osl", "-o", path
     )
-    assert done.returncode == 0, done.stderr
+    assert done.code == 0, done.err
     image, _ = read_exr(path)
     theta = np.pi / 2 * (np.arange(16) + 0.5) / 16
     column = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1)
@@ -164,12 +173,12 @@ def test_measure_furnace_gives_the_albedo(tmp_path):
 
 
 def test_render_a_preset_to_exr_and_the_same_again(tmp_path):
-    """Same task, same pixels; another seed, other pixels."""
+    """Same task, same pixels, in another process too; another seed, other pixels."""
     paths = [tmp_path / f"{name}.exr" for name in "abc"]
-    for path, seed in zip(paths, (7, 7, 8), strict=True):
-        done = vgroove("render", "copper", "--samples", "2", "--resolution", "48x32", "--seed", seed, "-o", path)
-        assert done.returncode == 0, done.stderr
-        assert done.stderr.strip() == f"wrote {path}"
+    for run, path, seed in zip((process, vgroove, vgroove), paths, (7, 7, 8), strict=True):
+        done = run("render", "copper", "--samples", "2", "--resolution", "48x32", "--seed", seed, "-o", path)
+        assert done.code == 0, done.err
+        assert done.err.strip() == f"wrote {path}"
     first, again, other = (read_exr(path)[0] for path in paths)
     assert first.shape == (32, 48, 3)
     assert first.max() > 0.1
@@ -208,7 +217,7 @@ def test_render_a_scene_with_an_assigned_preset(scene_file, tmp_path, backend, e
     done = vgroove(
         "render", scene_file, "--assign", "Floor=copper", "--backend", backend, "--estimator", estimator, "-o", path
     )
-    assert done.returncode == 0, done.stderr
+    assert done.code == 0, done.err
     image, _ = read_exr(path)
     assert image.shape == (24, 32, 3)
     assert image[12, 16, 0] > 0.2
@@ -216,64 +225,60 @@ def test_render_a_scene_with_an_assigned_preset(scene_file, tmp_path, backend, e
 
 
 def test_an_unknown_object_is_named_with_what_there_is(scene_file, tmp_path):
-    done = vgroove("render", scene_file, "--assign", "Flor=copper", "-o", tmp_path / "a.png")
-    assert done.returncode == 2
-    assert done.stderr.strip() == (
+    done = process("render", scene_file, "--assign", "Flor=copper", "-o", tmp_path / "a.png")
+    assert done.code == 2
+    assert done.err.strip() == (
         'vgroove: --assign "Flor=lecture/copper": the scene has no object of that name; it has Floor'
     )
 
 
 def test_frames_are_numbered(scene_file, tmp_path):
     done = vgroove("render", scene_file, "--assign", "Floor=copper", "--frames", "2-3", "-o", tmp_path / "f_####.png")
-    assert done.returncode == 0, done.stderr
+    assert done.code == 0, done.err
     assert sorted(path.name for path in tmp_path.glob("*.png")) == ["f_0002.png", "f_0003.png"]
 
 
 @pytest.mark.once
 def test_check_exits_0_and_writes_json(blender, monkeypatch, tmp_path):
     """--quick measures one slope a kind; each sixth of these here, as the suite measures them all."""
-    from typer.testing import CliRunner
-
-    from vgroove import cli
     from vgroove.lab.check import plan as check_all
 
     path, plan = tmp_path / "check.json", check_all.quick_plan()
     assert len({getattr(measure, "func", measure).__module__ for measure, _ in plan}) == 5
     monkeypatch.setattr(check_all, "quick_plan", lambda: plan[::6])
-    done = CliRunner().invoke(cli.app, ["check", "--quick", "--json", str(path)])
-    assert done.exit_code == 0, done.output
+    done = vgroove("check", "--quick", "--json", path)
+    assert done.code == 0, done.err
     content = json.loads(path.read_text())
     assert len(content["rows"]) == len(plan[::6]) > 3
     assert all(row["passed"] for row in content["rows"])
-    assert f"{len(content['rows'])} rows passed, 0 failed" in done.stdout
+    assert f"{len(content['rows'])} rows passed, 0 failed" in done.out
 
 
 def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
     """A reference that is 1 % off ends in exit code 1."""
-    from vgroove import cli
     from vgroove.lab.check import plan as check_all
     from vgroove.lab.check import rows as check
 
     row = check.direct_row(check.SETUPS[0], "schlick", 0.3)
     for factor, code in ((1.0, 0), (1.01, 1)):
         monkeypatch.setattr(check_all, "plan", lambda factor=factor: [(row.scaled, (factor,))])
-        assert cli.run(lambda: cli.app(["check"], standalone_mode=False)) == code
+        assert vgroove("check").code == code
 
 
 def test_explain_says_what_is_built_and_what_is_not():
     """The estimator and its reason, what was left out, and the same in one line for what cannot be."""
     result = vgroove("explain", "copper")
-    assert result.returncode == 0
-    text = " ".join(result.stdout.split())
+    assert result.code == 0
+    text = " ".join(result.out.split())
     for part in ("estimator", "Fresnel term: schlick", "left out", "transmission", "random numbers"):
         assert part in text
-    assert "smooth interface" in " ".join(vgroove("explain", "liquids/water").stdout.split())
-    plastic = " ".join(vgroove("explain", "red_plastic").stdout.split())
+    assert "smooth interface" in " ".join(vgroove("explain", "liquids/water").out.split())
+    plastic = " ".join(vgroove("explain", "red_plastic").out.split())
     for part in ("diffuse part: oren_nayar", "specular part: cook_torrance", "Fresnel term: dielectric"):
         assert part in plastic
     refused = vgroove("explain", "liquids/water", "--estimator", "fit")
-    assert refused.returncode == 2
-    assert 'which has no estimator "fit"; use one of closure, mirror' in refused.stderr
+    assert refused.code == 2
+    assert 'which has no estimator "fit"; use one of closure, mirror' in refused.err
 
 
 # Over time
@@ -281,12 +286,12 @@ def test_explain_says_what_is_built_and_what_is_not():
 
 def test_presets_as_json_say_how_they_change(monkeypatch):
     """What is static has no "time"; the table says so too."""
-    (preset,) = json.loads(vgroove("presets", "rusting", "--json").stdout)
+    (preset,) = json.loads(vgroove("presets", "rusting", "--json").out)
     assert preset["time"]["unit"] == "share"
     assert (preset["time"]["start"], preset["time"]["end"]) == (0.0, 1.0)
     assert set(preset["time"]["laws"]) == {"albedo", "s", "m"}
     monkeypatch.setenv("COLUMNS", "500")
-    assert "changes from 0 to 1 share: albedo, s, m" in " ".join(vgroove("presets", "rusting").stdout.split())
+    assert "changes from 0 to 1 share: albedo, s, m" in " ".join(vgroove("presets", "rusting").out.split())
 
 
 def test_measure_at_a_time_measures_the_preset_as_it_is_then(tmp_path):
@@ -295,7 +300,7 @@ def test_measure_at_a_time_measures_the_preset_as_it_is_then(tmp_path):
 
     path = tmp_path / "f.exr"
     done = vgroove("measure", "rusting_iron", "--time", "0.4", "--theta-i", "45", "--resolution", "32x16", "-o", path)
-    assert done.returncode == 0, done.stderr
+    assert done.code == 0, done.err
     image, spec = read_exr(path)
     model = find("rusting_iron").at(0.4).reference()
     theta, phi = np.pi / 2 * (np.arange(16) + 0.5)[:, None] / 16, 2 * np.pi * (np.arange(32) + 0.5) / 32
@@ -306,12 +311,13 @@ def test_measure_at_a_time_measures_the_preset_as_it_is_then(tmp_path):
 
 
 @pytest.mark.once
+@pytest.mark.usefixtures("quick_sky")
 def test_a_sequence_plays_the_course_and_is_taken_up_again(tmp_path):
     """From start to end over the frames; what is there already is kept, what is broken or of other settings is not."""
     base = ["render", "rusting_iron", "--samples", "2", "--resolution", "32x24", "--estimator", "fit"]
     frames = [*base, "--frames", "1-4", "-o", tmp_path / "r_##.exr"]
     first = vgroove(*frames)
-    assert first.returncode == 0, first.stderr
+    assert first.code == 0, first.err
     paths = [tmp_path / f"r_0{k}.exr" for k in (1, 2, 3, 4)]
     assert sorted(tmp_path.iterdir()) == paths
     for path, time in ((paths[0], "0"), (paths[3], "1")):
@@ -322,10 +328,10 @@ def test_a_sequence_plays_the_course_and_is_taken_up_again(tmp_path):
     paths[1].unlink()
     paths[2].write_bytes(paths[2].read_bytes()[:200])
     again = vgroove(*frames)
-    assert "wrote 4 frames" in again.stderr
-    assert "2 of them there already" in again.stderr
+    assert "wrote 4 frames" in again.err
+    assert "2 of them there already" in again.err
     assert {path for path in paths if path.stat().st_mtime_ns == stamps[path]} == {paths[0], paths[3]}
-    assert "there already" not in vgroove(*frames, "--seed", "1").stderr
+    assert "there already" not in vgroove(*frames, "--seed", "1").err
 
 
 @pytest.mark.parametrize("driving", ["curves", "age"])
@@ -337,7 +343,7 @@ def test_a_sequence_of_a_scene_has_a_strip_and_a_movie(scene_file, tmp_path, dri
         "render", scene_file, "--assign", "Floor=rusting_iron", "--frames", "3-7", "--driving", driving,
         "--strip", tmp_path / "strip.png", "--movie", tmp_path / "movie.mp4", "-o", tmp_path / "f_#.png",
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert done.code == 0, done.err
     image, _ = read_exr(tmp_path / "strip.png")
     assert image.shape[1] == 5 * 240 + 4 * 4
     tiles = [image[20:100, 244 * k + 60 : 244 * k + 180].mean(axis=(0, 1)) for k in range(5)]
@@ -349,8 +355,10 @@ def test_a_sequence_of_a_scene_has_a_strip_and_a_movie(scene_file, tmp_path, dri
 
 
 @pytest.mark.once
-def test_outputs_may_be_names_alone(tmp_path):
+@pytest.mark.usefixtures("quick_sky")
+def test_outputs_may_be_names_alone(tmp_path, monkeypatch):
     """Then they come to where the command was called."""
+    monkeypatch.chdir(tmp_path)
     base = ["render", "rusting_iron", "--samples", "1", "--resolution", "32x24", "--estimator", "closure"]
     for more in (
         ["-o", "still.png"],
@@ -358,9 +366,9 @@ def test_outputs_may_be_names_alone(tmp_path):
         ["--frames", "1-1", "--shutter", "0.5", "-o", "exposed_#.exr"],
         ["--frames", "1-1", "--shutter", "0.25", "-o", "exposed_#.exr"],  # of other settings: rendered anew
     ):
-        done = vgroove(*base, *more, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        assert "there already" not in done.stderr
+        done = vgroove(*base, *more)
+        assert done.code == 0, done.err
+        assert "there already" not in done.err
     names = ["exposed_1.exr", "movie.mp4", "r_1.png", "r_2.png", "still.png", "strip.png"]
     assert sorted(path.name for path in tmp_path.iterdir()) == names
 
@@ -368,10 +376,10 @@ def test_outputs_may_be_names_alone(tmp_path):
 def test_time_in_a_scene_goes_to_those_that_change(scene_file, tmp_path):
     """And is refused where none does."""
     done = vgroove("render", scene_file, "--assign", "Floor=rusting_iron", "--time", "0.5", "-o", tmp_path / "a.png")
-    assert done.returncode == 0, done.stderr
+    assert done.code == 0, done.err
     refused = vgroove("render", scene_file, "--assign", "Floor=copper", "--time", "0.5", "-o", tmp_path / "b.png")
-    assert refused.returncode == 2
-    assert "does not change over time" in refused.stderr
+    assert refused.code == 2
+    assert "does not change over time" in refused.err
 
 
 def test_a_task_that_fails_does_not_keep_the_rest_from_being_rendered(scene_file, tmp_path):
@@ -382,8 +390,8 @@ def test_a_task_that_fails_does_not_keep_the_rest_from_being_rendered(scene_file
         f'[[render]]\nscene = "{scene_file}"\nobject = "Floor"\npreset = "gold"\n'
     )
     done = vgroove("batch", job, "-o", tmp_path / "out")
-    assert done.returncode == 3
-    assert '1 of 2 tasks failed: "Flour=metals/gold": the scene has no object of that name; it has' in done.stderr
+    assert done.code == 3
+    assert '1 of 2 tasks failed: "Flour=metals/gold": the scene has no object of that name; it has' in done.err
     with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["status"] for row in rows] == ["failed", "rendered"]
@@ -395,10 +403,10 @@ def test_a_task_that_fails_does_not_keep_the_rest_from_being_rendered(scene_file
 def test_a_still_of_a_batch_is_what_render_makes(tmp_path):
     """The same pixels, but for the rounding of a sum in halves: a unit in the last place of float32 a sample."""
     given = ["--set", "m=0.2", "--samples", "2", "--resolution", "24x16", "--seed", "3"]
-    assert vgroove("render", "copper", *given, "-o", tmp_path / "still.exr").returncode == 0
+    assert vgroove("render", "copper", *given, "-o", tmp_path / "still.exr").code == 0
     job = tmp_path / "job.toml"
     job.write_text('[[render]]\npreset = "copper"\nset.m = 0.2\nsamples = 2\nresolution = "24x16"\nseed = 3\n')
-    assert vgroove("batch", job, "-o", tmp_path / "out").returncode == 0
+    assert vgroove("batch", job, "-o", tmp_path / "out").code == 0
     (path,) = (tmp_path / "out").glob("*.exr")
     still = read_exr(tmp_path / "still.exr")[0]
     np.testing.assert_allclose(read_exr(path)[0], still, rtol=2 * np.finfo(np.float32).eps)
@@ -410,35 +418,35 @@ def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
     job = tmp_path / "job.toml"
     job.write_text('[[render]]\npreset = ["copper", "gold"]\nseed = [0, 1]\nsamples = 2\nresolution = "24x16"\n')
     planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run")
-    assert planned.returncode == 0, planned.stderr
-    assert "4 tasks" in planned.stdout
-    assert re.search(r"about \d+ s by \d processes for 4 tasks, by the speed of the preview scene", planned.stdout)
+    assert planned.code == 0, planned.err
+    assert "4 tasks" in planned.out
+    assert re.search(r"about \d+ s by \d processes for 4 tasks, by the speed of the preview scene", planned.out)
     assert not (tmp_path / "out").exists()
-    first, again = (vgroove("batch", job, "-o", tmp_path / "out") for _ in range(2))
-    assert first.returncode == 0, first.stderr
-    assert "wrote 4 stills" in first.stderr
-    assert "4 of them there already" in again.stderr
+    first, again = (vgroove("batch", job, "-o", tmp_path / "out", "--workers", 1) for _ in range(2))
+    assert first.code == 0, first.err
+    assert "wrote 4 stills" in first.err
+    assert "4 of them there already" in again.err
     with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["label"] for row in rows][:2] == ["lecture/copper, seed 0", "lecture/copper, seed 1"]
     assert all(row["status"] == "there" and float(row["seconds"]) > 0 for row in rows)
-    planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run").stdout
+    planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run").out
     assert "about 0 s by" in planned
     assert "for 0 tasks, by the speed of 4 that are there" in planned
     part = vgroove("batch", job, "-o", tmp_path / "a [/b] part", "--tasks", "2-3", "--workers", 1)
-    assert "wrote 2 stills to" in part.stderr
-    assert "a [/b] part" in part.stderr
+    assert "wrote 2 stills to" in part.err
+    assert "a [/b] part" in part.err
     made = {path.name for path in (tmp_path / "a [/b] part").iterdir()}
     assert made == {"results-2-3.csv", *(f"{row['task']}.exr" for row in rows[1:3])}
     (tmp_path / "file").touch()
     within = vgroove("batch", job, "-o", tmp_path / "file" / "out")
-    assert within.returncode == 2
-    assert "file/out: cannot be made: Not a directory; choose another with -o" in within.stderr
+    assert within.code == 2
+    assert "file/out: cannot be made: Not a directory; choose another with -o" in within.err
     beyond = vgroove("batch", job, "-o", tmp_path / "part", "--tasks", "2-5")
-    assert beyond.returncode == 2
-    assert '--tasks "2-5": write A-B, from 1-4: the job has 4 tasks' in beyond.stderr
+    assert beyond.code == 2
+    assert '--tasks "2-5": write A-B, from 1-4: the job has 4 tasks' in beyond.err
     page = vgroove("gallery", tmp_path / "out", "-o", tmp_path / "page.html")
-    assert page.returncode == 0, page.stderr
+    assert page.code == 0, page.err
     assert (tmp_path / "page.html").read_text(encoding="utf-8").count("<article") == 4
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"results.csv", *(f"{row['task']}.exr" for row in rows)}

@@ -6,19 +6,15 @@ hypothesis looks for their neighbours.
 """
 
 import contextlib
-import io
 import json
 import math
 import os
 import re
-import signal
 import socket
-import sys
 import tempfile
 import threading
 import types
 import typing
-from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
@@ -33,32 +29,14 @@ from vgroove.addon.library import files, inputs, presets
 from vgroove.batch.outcome import RECORD, Outcome
 from vgroove.headless import sequence
 
-LONGEST = 20  # seconds of a command; the slowest takes one on an idle machine
+from ..commands import vgroove
+
 REPORT = Path(__file__).parents[2] / "docs" / "report.json"
 FUZZ = settings(
     max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 
 pytestmark = pytest.mark.blender
-
-
-class Hang(BaseException):
-    """A command that takes longer than ``LONGEST``."""
-
-
-def hang(*_):
-    raise Hang
-
-
-@dataclass
-class Said:
-    code: int
-    out: str
-    err: str
-
-    @property
-    def lines(self):
-        return self.err.strip().splitlines()
 
 
 class Line:
@@ -72,30 +50,10 @@ class Line:
     def files(self):
         return sorted(os.fsencode(path) for root in (self.folder, self.scratch) for path in root.rglob("*"))
 
-    def run(self, *arguments, encoding="utf-8"):
-        """What the command says; its exceptions are the caller's."""
-        argv, sys.argv = sys.argv, ["vgroove", *map(str, arguments)]
-        out, err = (io.TextIOWrapper(io.BytesIO(), encoding=encoding, write_through=True) for _ in range(2))
-        before = signal.signal(signal.SIGALRM, hang)
-        signal.alarm(LONGEST)
-        try:
-            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-                cli.main()
-            pytest.fail("the command did not end with an exit code")
-        except SystemExit as ended:
-            code = ended.code
-        finally:
-            signal.alarm(0)
-            signal.signal(signal.SIGALRM, before)
-            sys.argv = argv
-        out, err = (stream.buffer.getvalue().decode(encoding) for stream in (out, err))
-        # Blender writes its errors to sys.stdout, which is a pipe to nowhere then when it is the process's own.
-        return Said(code, re.sub(r"(?m)^Error: .*\n", "", out), err)
-
     def refuses(self, *arguments, code=2):
         """The one line in which the command refuses its input; it writes nothing."""
         before = self.files()
-        said = self.run(*arguments)
+        said = vgroove(*arguments)
         assert said.code == code, said
         assert said.out == ""
         assert len(said.lines) == 1, said.err
@@ -273,7 +231,7 @@ def test_presets_are_read_as_regular_files(line, not_a_file, monkeypatch):
     monkeypatch.setenv(presets.USER_FOLDER, str(line.folder))
     presets.reread()
     assert "odd.toml: cannot be read: " in line.refuses("render", "mine/odd", "-o", "a.png")
-    said = line.run("presets", "odd")
+    said = vgroove("presets", "odd")
     presets.reread()
     assert said.code == 0
     assert len(said.lines) == 1
@@ -301,14 +259,14 @@ def test_a_batch_reads_what_is_there_as_regular_files(line, not_a_file):
     (line.folder / "job.toml").write_text('[[render]]\npreset = "copper"\n[[render]]\nscene = "a.blend"\n')
     not_a_file("a.blend")
     not_a_file("results.csv")
-    said = line.run("batch", "job.toml", "-o", ".", "--dry-run")
+    said = vgroove("batch", "job.toml", "-o", ".", "--dry-run")
     assert said.code in {0, 2}
     assert len(said.lines) <= 1
 
 
 def test_presets_in_nobodys_home_are_named(line, monkeypatch):
     monkeypatch.setenv(presets.USER_FOLDER, "~nobody-of-that-name/x")
-    said = line.run("presets", "copper")
+    said = vgroove("presets", "copper")
     assert said.code == 0
     assert "~nobody-of-that-name/x is no folder" in said.err
 
@@ -391,7 +349,7 @@ def test_any_value_in_a_job_is_read_or_refused_in_one_line(line, keys):
     table = {"preset": "copper"} | keys
     text = "[[render]]\n" + "".join(f"{key} = {toml(value)}\n" for key, value in table.items())
     (line.folder / "job.toml").write_text(text, encoding="utf-8")
-    said = line.run("batch", "job.toml", "-o", "out", "--dry-run")
+    said = vgroove("batch", "job.toml", "-o", "out", "--dry-run")
     assert said.code in {0, 2}, said
     assert len(said.lines) == (said.code == 2), said.err
 
@@ -435,7 +393,7 @@ def test_any_value_in_a_preset_is_read_or_refused_in_one_line(line, place, value
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(presets.USER_FOLDER, str(line.folder))
         presets.reread()
-        said = line.run("presets", "mine/odd")
+        said = vgroove("presets", "mine/odd")
     presets.reread()
     assert said.code == 0, said
     assert len(said.lines) <= 1, said.err
@@ -476,7 +434,7 @@ def test_the_last_equals_sign_divides_an_assignment(item, name, preset):
 def test_names_are_utf8_whatever_the_locale_is(scene_line):
     """In an ASCII locale Python keeps the bytes as lone surrogates."""
     assert inputs.name("Grün") == inputs.name(os.fsdecode("Grün".encode())) == "Grün"
-    said = scene_line.run("render", "bare.blend", "--assign", "Grün=1:x=copper", "-o", "a.png", *SMALL)
+    said = vgroove("render", "bare.blend", "--assign", "Grün=1:x=copper", "-o", "a.png", *SMALL)
     assert said.code == 0, said.err
 
 
@@ -485,9 +443,9 @@ def test_names_are_utf8_whatever_the_locale_is(scene_line):
 
 def test_an_ascii_terminal_shows_everything(line):
     for arguments in (["presets"], ["presets", "--json"], ["--help"], ["explain", "copper"]):
-        said = line.run(*arguments, encoding="ascii")
+        said = vgroove(*arguments, encoding="ascii")
         assert said.code == 0, said
-    said = line.run("render", "\udcff\u202e\x1b[31m", "-o", "Grün.gif", encoding="ascii")
+    said = vgroove("render", "\udcff\u202e\x1b[31m", "-o", "Grün.gif", encoding="ascii")
     assert said.code == 2
     assert len(said.lines) == 1
     assert "\x1b" not in said.err
@@ -515,7 +473,7 @@ def test_a_picture_gets_the_name_that_was_asked_for(scene_line, name):
         name = f"/{scene_line.folder}/a.png"
         assert name.startswith("//")
     before = scene_line.files()
-    said = scene_line.run("render", "bare.blend", "-o", name, *SMALL)
+    said = vgroove("render", "bare.blend", "-o", name, *SMALL)
     assert said.code == 0, said.err
     path = scene_line.folder / name.lstrip("/") if not name.startswith("//") else scene_line.folder / "a.png"
     assert set(scene_line.files()) - set(before) == {os.fsencode(path)}
@@ -529,7 +487,7 @@ def test_folders_may_have_any_name(scene_line, name):
     base = ["render", "bare.blend", *SMALL]
     more = ["--frames", "1-2", "--resolution", "16x16", "--strip", f"{name}/strip.png", "--movie", f"{name}/movie.mp4"]
     for _ in range(2):
-        said = scene_line.run(*base, "-o", f"{name}/r_#.png", *more)
+        said = vgroove(*base, "-o", f"{name}/r_#.png", *more)
         assert said.code == 0, said.err
     assert "2 of them there already" in said.err
     found = {os.fsdecode(path.name) for path in (scene_line.folder / name).iterdir()}
@@ -610,7 +568,7 @@ def put(path, told, shape=(8, 8)):
 def test_a_gallery_takes_pictures_of_any_shape(line, shape):
     """A picture of 1 x 4000 would make a thumbnail 768 000 pixels high."""
     put(line.folder / "a.png", json.dumps(record()), shape)
-    said = line.run("gallery", ".")
+    said = vgroove("gallery", ".")
     assert said.code == 0, said.err
     page = (line.folder / "gallery.html").read_text(encoding="utf-8")
     assert "data:image/webp;base64," in page
@@ -626,7 +584,7 @@ def test_links_of_a_gallery_lead_to_its_pictures(line, name):
     """And to nothing else, whatever a file is called."""
     put(line.folder / "plain.png", json.dumps(record()))
     (line.folder / "plain.png").rename(line.folder / f"{name}.png")
-    said = line.run("gallery", ".")
+    said = vgroove("gallery", ".")
     assert said.code == 0, said.err
     page = (line.folder / "gallery.html").read_text(encoding="utf-8")
     links = re.findall(r'href="([^"]*)"', page)
@@ -643,7 +601,7 @@ def test_metadata_that_is_not_utf8_is_none_of_ours(line):
     put(path, "@" * 64)
     path.write_bytes(path.read_bytes().replace(b"@" * 64, b"\xff" * 64))
     assert images.attribute(path, RECORD) is None
-    assert line.run("gallery", ".").code == 0
+    assert vgroove("gallery", ".").code == 0
     assert (line.folder / "gallery.html").read_text(encoding="utf-8").count("<article") == 1
 
 
@@ -669,7 +627,7 @@ def test_a_gallery_takes_any_metadata(line, place, value):
     told = changed(record(), place.split("."), value)
     put(line.folder / "a.exr", json.dumps(told))
     put(line.folder / "b.exr", json.dumps(record()))
-    said = line.run("gallery", ".")
+    said = vgroove("gallery", ".")
     assert said.code == 0, said.err
     assert (line.folder / "gallery.html").read_text(encoding="utf-8").count("<article") in {1, 2}
 
@@ -717,7 +675,7 @@ def test_a_damaged_report_is_read_or_refused_in_one_line(line, small_report, dat
     (line.folder / "a.json").write_text(text, encoding="utf-8")
     (line.folder / "b.json").write_text(json.dumps(small_report), encoding="utf-8")
     for pair in (("a.json", "b.json"), ("b.json", "a.json")):
-        said = line.run("report", "--compare", *pair)
+        said = vgroove("report", "--compare", *pair)
         assert said.code in {0, 1, 2}, said
         assert len(said.lines) == (said.code == 2), said.err
 
@@ -834,7 +792,7 @@ def test_any_words_are_understood_or_refused_in_one_line(line, command, words):
     (line.folder / "no").write_text("")
     before = line.files()
     more = [] if command in {"presets", "explain", "report"} else ["-o", "no/a.exr"]
-    said = line.run(command, *words, *more)
+    said = vgroove(command, *words, *more)
     assert said.code in {0, 2}, said
     if said.code == 2:
         assert len(said.lines) == 1, said.err

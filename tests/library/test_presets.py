@@ -165,17 +165,18 @@ def test_bad_glass_and_bad_rough_surfaces_are_one_line(text, message):
 FIRST_OF_KIND = {(preset.model, preset.kind): preset for preset in reversed(all_presets().values())}
 
 
-@pytest.mark.parametrize("name", sorted(all_presets()))
-def test_no_preset_sends_back_more_than_arrives(name):
-    """At every view, and the first of each kind at other slopes: what is reflected and what passes through."""
-    wo = spherical(np.radians([0.0, 40.0, 70.0, 85.0, 89.9]))
-    preset = find(name)
-    slopes = (0.0, 0.1, 1.0) if preset in FIRST_OF_KIND.values() and "m" in preset.parameters else ()
-    for changed in [preset, *(preset.with_parameters(m=m) for m in slopes)]:
-        sent = albedo(changed.reference(), wo)
-        assert sent.shape == (5, 3)
-        assert np.all(sent > 0.0)
-        assert np.max(sent) <= 1.0 + 1e-6  # to which the albedo is good
+@pytest.mark.parametrize("family", sorted({preset.family for preset in all_presets().values()}))
+def test_no_preset_sends_back_more_than_arrives(family):
+    """What is reflected and what passes through: the first of each kind at more views, and at other slopes."""
+    for preset in (preset for preset in all_presets().values() if preset.family == family):
+        is_first = preset in FIRST_OF_KIND.values()
+        wo = spherical(np.radians([0.0, 40.0, 70.0, 85.0, 89.9] if is_first else [0.0, 85.0]))
+        slopes = (0.0, 0.1, 1.0) if is_first and "m" in preset.parameters else ()
+        for changed in [preset, *(preset.with_parameters(m=m) for m in slopes)]:
+            sent = albedo(changed.reference(), wo)
+            assert sent.shape == (len(wo), 3)
+            assert np.all(sent > 0.0), preset.id
+            assert np.max(sent) <= 1.0 + 1e-6, preset.id  # to which the albedo is good
 
 
 @pytest.mark.parametrize("kind", ["full", "qualitative"])
