@@ -292,7 +292,7 @@ def test_cycles_reads_materials_once_a_frame(blender):
     (curve, *_) = material.curves(one)
     with headless.quiet(), gonio.stage((4, 4), samples=16, seed=0, shading_osl=False) as stage:
         gonio.light(stage, gonio.Geometry(furnace=True))
-        gonio._patch(stage, one)
+        gonio._patch(stage, one, gonio.Geometry())
         camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
         camera.location.z = 2.0
         stage.collection.objects.link(camera)

@@ -211,7 +211,7 @@ def test_every_model_renders_finite_light_by_what_auto_picks(blender, preset):
         stage.view_layers[0].update()
         estimator = automatic.pick_estimator(stage, preset)
         bound = lamps_to_bind(stage, estimator, preset.model)
-        gonio._patch(stage, build(preset, Choice("nodes", estimator, bound)))
+        gonio._patch(stage, build(preset, Choice("nodes", estimator, bound)), gonio.Geometry())
         camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
         camera.location = (0, 0, 3)
         stage.collection.objects.link(camera)
