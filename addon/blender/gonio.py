@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The virtual gonioreflectometer: a material's BRDF, measured in Cycles itself.
 
-An OSL camera sends pixel (x, y) as the ray that leaves a flat patch toward wo(x, y); a sun at (theta_i, phi_i) lights it.
+An OSL camera sends pixel (x, y) as the ray that leaves a flat patch toward wo(x, y); a sun at theta_i, phi_i lights it.
 Works with OSL shading off too: then the material's plain nodes run in SVM, as they do on GPUs.
 A second instrument needs no OSL: one point of a point cloud is traced as a perfect sphere.
 """
@@ -217,7 +217,7 @@ def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: 
 
 
 def light(scene: Scene, geometry: Geometry) -> tuple[Object, ...]:
-    """The sun at (theta_i, phi_i), so strong that a BRDF of f gives a radiance of f; or a uniform white world and no lamp."""
+    """The sun at wi, so strong that a BRDF of f gives a radiance of f; or a uniform white world and no lamp."""
     world = scene.world
     tree = versions.nodes_of(world)
     background = tree.nodes.get("Background") or tree.nodes.new("ShaderNodeBackground")

@@ -35,6 +35,7 @@ from ...nodegroups import (
     oren_nayar_fit,
     oren_nayar_hybrid,
     oren_nayar_mirror,
+    random_numbers,
     trajectory,
     translucent,
     versions,
@@ -632,7 +633,7 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Light, choice: Choi
     source = _group_node(tree, nodegroups.ensure(name, lamp.REVISION, make), f"Light {index}: {slot}", roles.LIGHT)
     source.location = (-300, -160 * (index - 1))
     if "Stream" in source.inputs:
-        source.inputs["Stream"].default_value = lamp.STREAM + index - 1
+        source.inputs["Stream"].default_value = random_numbers.stream("LIGHT", index - 1)
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
 

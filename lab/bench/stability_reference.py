@@ -24,7 +24,7 @@ from ...addon.reference import (
     rendered,
     spherical,
 )
-from ..check import rows as check
+from ..check.views import direct_bar
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -133,5 +133,5 @@ def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
     nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES
     crowded = driving == "curves" and nearest < animation.CLOSEST
     limit = f"F-curves have no two keys within {animation.CLOSEST:g} frames: a step takes that long" if crowded else ""
-    more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= check.direct_bar(0.05)}
+    more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= direct_bar(0.05)}
     return {"image": images.astype(np.float64), "limit": limit, "more": more}

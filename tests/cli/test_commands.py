@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -237,7 +238,7 @@ def test_check_exits_0_and_writes_json(blender, monkeypatch, tmp_path):
     from vgroove.lab.check import plan as check_all
 
     path, plan = tmp_path / "check.json", check_all.quick_plan()
-    assert len({getattr(measure, "func", measure).__module__ for measure, _ in plan}) == 5
+    assert len({row.func.__module__ for row in plan}) == 4
     monkeypatch.setattr(check_all, "quick_plan", lambda: plan[::6])
     done = CliRunner().invoke(cli.app, ["check", "--quick", "--json", str(path)])
     assert done.exit_code == 0, done.output
@@ -251,11 +252,12 @@ def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
     """A reference that is 1 % off ends in exit code 1."""
     from vgroove import cli
     from vgroove.lab.check import plan as check_all
-    from vgroove.lab.check import rows as check
+    from vgroove.lab.check.cook_torrance import direct_row
+    from vgroove.lab.check.rows import SETUPS
 
-    row = check.direct_row(check.SETUPS[0], "schlick", 0.3)
+    row = direct_row(SETUPS[0], "schlick", 0.3)
     for factor, code in ((1.0, 0), (1.01, 1)):
-        monkeypatch.setattr(check_all, "plan", lambda factor=factor: [(row.scaled, (factor,))])
+        monkeypatch.setattr(check_all, "plan", lambda factor=factor: [partial(row.scaled, factor)])
         assert cli._run(lambda: cli.app(["check"], standalone_mode=False)) == code
 
 
