@@ -80,7 +80,7 @@ def _kind(*, thin: bool) -> str:
 def measure_probe(made: Material, setup: Setup, geometry: gonio.Geometry, samples: int) -> NDArray[np.float64]:
     """The image of ``made``, which is removed."""
     with headless.quiet():
-        image = gonio.measure_probe(made, geometry, samples=samples, shading_osl=setup.shading_osl)
+        image = gonio.measure(made, geometry, samples=samples, shading_osl=setup.shading_osl)
     bpy.data.materials.remove(made)
     return image.astype(np.float64)
 
