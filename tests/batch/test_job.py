@@ -215,7 +215,7 @@ def test_the_command_ends_with_it_and_exit_code_2(table, tmp_path, capsys, monke
     """And has written nothing."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "job.toml").write_text("[[render]]\n" + table, encoding="utf-8")
-    assert cli._run(lambda: cli.app(["batch", "job.toml", "-o", "out"], standalone_mode=False)) == 2
+    assert cli.run(lambda: cli.app(["batch", "job.toml", "-o", "out"], standalone_mode=False)) == 2
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.startswith("vgroove: job.toml: ")

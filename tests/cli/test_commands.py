@@ -61,6 +61,8 @@ def test_presets_as_json_hold_the_contract():
         (["measure", "copper", "--theta-i", "5", "--estimator", "mirror", "-o", "a.exr"], "sun of zero size"),
         (["measure", "copper", "--furnace", "--estimator", "direct", "-o", "a.exr"], "direct sees lamps alone"),
         (["measure", "copper", "--furnace", "--window", "5", "-o", "a.exr"], "--furnace has no sun"),
+        (["measure", "copper", "--furnace", "--phi-i", "5", "-o", "a.exr"], "--furnace has no sun"),
+        (["measure", "copper", "--theta-i", "5", "--phi-i", "361", "-o", "a.exr"], "--phi-i"),
         (["frobnicate"], "No such command"),
         (["render", "rusting_iron", "-o", "a.png", "--time", "nan"], "'--time': must be a number, got 'nan'"),
         (["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--time", "1"], "give one of them"),
@@ -258,7 +260,7 @@ def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
     row = direct_row(SETUPS[0], "schlick", 0.3)
     for factor, code in ((1.0, 0), (1.01, 1)):
         monkeypatch.setattr(check_all, "plan", lambda factor=factor: [partial(row.scaled, factor)])
-        assert cli._run(lambda: cli.app(["check"], standalone_mode=False)) == code
+        assert cli.run(lambda: cli.app(["check"], standalone_mode=False)) == code
 
 
 def test_explain_says_what_is_built_and_what_is_not():

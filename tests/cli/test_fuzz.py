@@ -469,7 +469,7 @@ def test_an_object_gets_one_preset(scene_line):
 )
 def test_the_last_equals_sign_divides_an_assignment(item, name, preset):
     """No preset's id has one, and names of objects may. ``assign`` decides which part is a slot."""
-    ((found, of),) = cli._assignments([item])
+    ((found, of),) = cli.render.assignments([item])
     assert (found, of.id) == (name, preset)
 
 

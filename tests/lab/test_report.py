@@ -129,7 +129,7 @@ def contest(cell):
 
 
 def vgroove(*arguments):
-    return cli._run(lambda: cli.app(["report", *map(str, arguments)], standalone_mode=False))
+    return cli.run(lambda: cli.app(["report", *map(str, arguments)], standalone_mode=False))
 
 
 def curve(bias, noise, per_sample, counts=COUNTS, **changes):
@@ -1016,7 +1016,7 @@ def test_bad_input_is_one_line(two, monkeypatch, capsys, arguments, message):
 
 def test_a_report_exits_1_if_a_claim_does_not_hold(tmp_path, monkeypatch, capsys):
     """A full one; a quick one says so alone. It is drawn in any case."""
-    monkeypatch.setattr(cli, "_with_blender", lambda: None)
+    monkeypatch.setattr(cli.report, "start_blender", lambda: None)
     for quick, time, code in ((False, 0.9, 1), (True, 0.9, 0), (False, 2.0, 0)):
         content = report(cells={"left_out/metal": left_out(time)})
         content["runs"]["5.2.3"]["quick"] = quick
@@ -1042,7 +1042,7 @@ def test_what_could_not_be_measured_is_said_though_a_claim_does_not_hold(monkeyp
 
 def test_a_report_is_drawn_without_blender(tmp_path):
     (tmp_path / "report.json").write_text(json.dumps(report(cells={"left_out/metal": left_out(2.0)})))
-    code = "import sys; sys.modules['bpy'] = None; from vgroove.addon import cli; cli.main()"
+    code = "import sys; sys.modules['bpy'] = None; from vgroove import cli; cli.main()"
     command = [sys.executable, "-P", "-c", code, "report", "--from", tmp_path / "report.json", "-o", tmp_path / "new"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -187,7 +187,7 @@ def test_explain_says_what_the_universal_material_cannot_do(blender, monkeypatch
     for room in (True, False):
         monkeypatch.setattr(universal, "fits", lambda room=room: room)
         nodes, native, osl = (
-            cli._universal_caption(material.Choice(*of))
+            cli.explain.universal_caption(material.Choice(*of))
             for of in (("nodes", "corrected"), ("nodes", "closure"), ("osl", "corrected"))
         )
         assert all("but for absorption" in said for said in (nodes, native, osl))

@@ -164,7 +164,7 @@ def test_no_part_imports_what_is_said_to_decide_others_alone():
 
 def test_the_parts_are_those_that_are_measured():
     assert [module.__name__.rpartition(".")[2] for module in run.PARTS] == list(record.PARTS)
-    assert [str(part) for part in cli.Part] == list(record.PARTS)
+    assert [str(part) for part in cli.report.Part] == list(record.PARTS)
 
 
 @pytest.mark.blender

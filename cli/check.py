@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``vgroove check``: Cycles against the NumPy reference, row by row."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from ..addon.library.files import check_writable, write_text
+from .environment import start_blender, versions
+from .terminal import out, progress
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from ..lab.check.rows import Row
+
+JsonOption = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write every row as JSON")]
+QuickOption = Annotated[bool, typer.Option(help="One row of each kind, to see that the instrument works")]
+
+
+def check(*, json_file: JsonOption = None, quick: QuickOption = False) -> None:
+    """Compare Cycles with the NumPy reference: every model x estimator x backend. Exits 1 if a row fails."""
+    if json_file is not None:
+        check_writable(json_file)
+    start_blender()
+    from ..lab.check import plan as check_plan
+
+    plan = check_plan.quick_plan() if quick else check_plan.plan()
+    rows = [measure_row(*arguments) for measure_row, arguments in progress(plan, "measuring", len(plan))]
+    out.print(_table(rows))
+    failed = sum(not row.passed for row in rows)
+    out.print(f"{len(rows) - failed} rows passed, {failed} failed; Blender {versions()['blender']}", highlight=False)
+    if json_file is not None:
+        content = {"versions": versions(), "rows": [row.as_json() for row in rows]}
+        write_text(json_file, json.dumps(content, indent=1))
+    if failed:
+        raise typer.Exit(1)
+
+
+def _table(rows: Iterable[Row]) -> Table:
+    table = Table("estimator", "run as", "Fresnel", "m", "worst", "bar", "resolves", "")
+    for row in rows:
+        worst, bar = (f"{row.error:.2%}", f"{row.bar:.2%}") if row.is_noisy else (f"{row.error:.1e}", f"{row.bar:.1e}")
+        passed = "ok" if row.passed else "FAILED"
+        table.add_row(row.test, str(row.setup), row.fresnel, f"{row.m:g}", worst, bar, f"{row.resolves:.1e}", passed)
+    return table

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``vgroove measure``: a preset's BRDF as Cycles renders it, in an EXR file."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..addon.library import presets
+from ..addon.library.files import check_writable, replacing
+from ..addon.library.inputs import InputError
+from ..addon.reference.hybrid import DEFAULT_BOUND
+from .environment import start_blender, versions
+from .options import (
+    Backend,
+    BackendOption,
+    BoundOption,
+    Estimator,
+    PresetArgument,
+    SamplesOption,
+    SeedOption,
+    SetOption,
+    TimeOption,
+    apply_settings,
+    parse_resolution,
+    real,
+)
+from .terminal import say
+
+if TYPE_CHECKING:
+    from ..addon.library.presets import Preset
+
+OutputOption = Annotated[
+    Path, typer.Option("-o", "--output", metavar="FILE.exr", help="float32 EXR, channels R G B, f in 1/sr")
+]
+ThetaOption = Annotated[
+    float | None, typer.Option(parser=real(0.0, 89.99), metavar="DEG", help="Angle between the sun and the normal")
+]
+SunAngleOption = Annotated[
+    float, typer.Option(parser=real(0.0, 90.0), metavar="DEG", help="Angular diameter of the sun; mirror needs one")
+]
+FurnaceOption = Annotated[bool, typer.Option(help="Measure the directional albedo under a uniform white world")]
+WindowOption = Annotated[
+    float,
+    typer.Option(
+        parser=real(0.0, 45.0), metavar="DEG", help="Half width of a window around the mirror direction; 0: hemisphere"
+    ),
+]
+EstimatorOption = Annotated[
+    Estimator, typer.Option(help="auto: mirror for a sun with an angle or a furnace, else direct (glass: closure)")
+]
+
+
+def measure(
+    name: PresetArgument,
+    output: OutputOption,
+    *,
+    settings: SetOption = None,
+    theta_i: ThetaOption = None,
+    sun_angle: SunAngleOption = 0.0,
+    furnace: FurnaceOption = False,
+    window: WindowOption = 0.0,
+    at_time: TimeOption = None,
+    resolution: Annotated[str, typer.Option(metavar="WxH")] = "64x64",
+    samples: SamplesOption = 1,
+    seed: SeedOption = 0,
+    backend: BackendOption = Backend.NODES,
+    estimator: EstimatorOption = Estimator.AUTO,
+    bound: BoundOption = DEFAULT_BOUND,
+) -> None:
+    """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer."""
+    preset = apply_settings(presets.find(name), settings, at_time)
+    size = parse_resolution(resolution)
+    _check_light(theta_i, sun_angle, window, furnace=furnace)
+    if output.suffix.lower() != ".exr":
+        message = f"{output}: measurements are EXR files; name one that ends in .exr"
+        raise InputError(message)
+    estimator = _suitable(estimator, preset, extended=furnace or sun_angle > 0, furnace=furnace)
+    check_writable(output)
+    start_blender()
+    from .. import headless
+    from ..addon.blender import gonio, images
+
+    geometry = gonio.Geometry(theta_i or 0.0, window, size, sun_angle, furnace)
+    start = time.perf_counter()
+    osl = backend == Backend.OSL
+    with headless.quiet():
+        image = gonio.measure_preset(
+            preset, backend, estimator, geometry, samples=samples, seed=seed, shading_osl=osl, bound=bound
+        )
+    attributes = {
+        "preset": preset.id, "parameters": json.dumps(preset.parameters), "estimator": str(estimator),
+        "backend": str(backend), "samples": samples, "seed": seed, "seconds": time.perf_counter() - start,
+        "geometry": json.dumps(asdict(geometry)), "versions": json.dumps(versions()),
+    }  # fmt: skip
+    with replacing(output) as temporary:
+        images.write(temporary, image, {f"vgroove:{key}": value for key, value in attributes.items()})
+    say(f"wrote {output}")
+
+
+def _check_light(theta_i: float | None, sun_angle: float, window: float, *, furnace: bool) -> None:
+    """InputError unless there is one light: a sun, or the white world of the furnace."""
+    if (theta_i is None) != furnace:
+        message = "give either --theta-i DEG or --furnace"
+        raise InputError(message)
+    if furnace and (window or sun_angle):
+        message = "--furnace has no sun: leave --window and --sun-angle out"
+        raise InputError(message)
+
+
+def _suitable(estimator: Estimator, preset: Preset, *, extended: bool, furnace: bool) -> Estimator:
+    """The estimator, with auto resolved. InputError for one that is blind to this light.
+
+    extended: whether the light has a size, which mirror needs.
+    """
+    if estimator == Estimator.MIRROR and not extended:
+        message = "mirror does not see a sun of zero size; give --sun-angle DEG or --furnace"
+        raise InputError(message)
+    if estimator == Estimator.DIRECT and furnace:
+        message = "direct sees lamps alone, not the world of --furnace; give --theta-i DEG, or choose mirror"
+        raise InputError(message)
+    if estimator != Estimator.AUTO:
+        return estimator
+    exact = Estimator.CLOSURE if preset.transparent else Estimator.DIRECT
+    return Estimator.MIRROR if extended else exact
