@@ -128,7 +128,8 @@ def read_exr(path):
 def test_measure_writes_the_brdf_with_its_story(tmp_path):
     """Pixel (x, y) is phi_o = 2 pi (x + .5)/W, theta_o = (pi/2)(y + .5)/H; parameters are in the attributes."""
     path = tmp_path / "f.exr"
-    done = vgroove("measure", "copper", "--theta-i", "45", "--set", "m=0.2", "--resolution", "32x16", "-o", path)
+    light = "--theta-i", "45", "--phi-i", "30"
+    done = vgroove("measure", "copper", *light, "--set", "m=0.2", "--resolution", "32x16", "-o", path)
     assert done.returncode == 0, done.stderr
     assert done.stdout == ""
     image, spec = read_exr(path)
@@ -137,11 +138,12 @@ def test_measure_writes_the_brdf_with_its_story(tmp_path):
     assert str(spec.format) == "float"
     theta, phi = np.pi / 2 * (np.arange(16) + 0.5)[:, None] / 16, 2 * np.pi * (np.arange(32) + 0.5) / 32
     wo = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)), axis=-1)
-    wi = [np.sin(np.pi / 4), 0.0, np.cos(np.pi / 4)]
+    wi = [np.cos(np.pi / 6) * np.sin(np.pi / 4), np.sin(np.pi / 6) * np.sin(np.pi / 4), np.cos(np.pi / 4)]
     expected = CookTorrance(0.2, Schlick((0.95, 0.64, 0.54))).evaluate(wi, wo)
     np.testing.assert_allclose(image, expected, atol=2e-5 * expected.max())
     assert spec.get_string_attribute("vgroove:preset") == "lecture/copper"
     assert json.loads(spec.get_string_attribute("vgroove:parameters"))["m"] == 0.2
+    assert json.loads(spec.get_string_attribute("vgroove:geometry"))["phi_i"] == 30.0
     assert spec.get_string_attribute("vgroove:estimator") == "direct"
     assert spec.get_string_attribute("vgroove:backend") == "nodes"
     assert spec.get_int_attribute("vgroove:samples") == 1
