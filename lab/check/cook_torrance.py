@@ -26,6 +26,7 @@ from .hybrid import excess
 from .rows import SETUPS, Plan, Row, Setup, View, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
 from .views import (
+    SUN_ANGLES,
     closure_bar,
     direct_bar,
     disc,
@@ -51,8 +52,6 @@ SPHERE_SLOPES = (1.0, 0.3, 0.1)
 MIRROR_SLOPES = (0.1, 0.3, 0.6, 1.0)
 FURNACE_SAMPLES = 1024
 SUN_THETAS = (20.0, 60.0, 74.0)  # the widest sun stays above the horizon
-# Broad lobes rarely hit a small sun; a wider one needs as many fewer samples as it is larger.
-SUN_ANGLES = {0.1: 20.0, 0.3: 30.0, 0.6: 30.0, 1.0: 30.0}
 SUN_SAMPLES = {0.1: 2560, 0.3: 2560, 0.6: 7168, 1.0: 15360}  # per pixel, so that every row resolves surely_seen(0.01)
 NOISY_ROWS = 32  # rows of ``mirror`` that are judged by Z-tests; a test holds it to the plan
 

@@ -21,7 +21,7 @@ from ...addon.reference.glass import pane, refraction_facet, transmitted_g
 from ...addon.reference.quadrature import vgroove_mean
 from ...nodegroups import glass_closure, glass_mirror, versions
 from .rows import ROUNDING, SETUPS, Plan, Row, Setup, View, side_by_side
-from .views import WINDOW, disc, furnace, pooled_view, sun_radiance
+from .views import SUN_ANGLES, WINDOW, disc, furnace, pooled_view, sun_radiance
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,7 +38,6 @@ SUN_THETAS = (175.0, 150.0)
 # So many that every row surely turns red on a common error of 1 % (surely_seen).
 SAMPLES = {"all": 512, "below": 1024, "above": 3072}  # one side alone depends on what Cycles picks
 # From inside lobes are broad and rarely hit the disc.
-SUN_ANGLES = {0.1: 20.0, 0.3: 30.0, 0.6: 30.0, 1.0: 30.0}
 SUN_SAMPLES = {0.1: 512, 0.3: 512, 0.6: 2048, 1.0: 4096}
 INSIDE_SUN_SAMPLES = {0.1: 2048, 0.3: 4096}
 SMOOTH_BAR = 1e-4

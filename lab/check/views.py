@@ -26,6 +26,8 @@ THETAS = (0.0, 20.0, 45.0, 70.0, 85.0)
 OSL_THETAS = (20.0, 70.0)  # of nodes run as OSL, which are the same as in SVM and slow to compile
 WINDOW = 5.0
 FURNACE_SIZE = 32
+# Degrees, by slope m. Broad lobes rarely hit a small sun; a wider one needs as many fewer samples as it is larger.
+SUN_ANGLES = {0.1: 20.0, 0.3: 30.0, 0.6: 30.0, 1.0: 30.0}
 
 
 def direct_bar(m: float) -> float:
