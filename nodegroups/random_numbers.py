@@ -4,7 +4,7 @@
 The pixel filter and every bounce move position and direction, which makes the hash new from sample to sample. Position
 is rounded in world space, to 2^-24 of the distance from the origin; Parametric is rounded within its triangle, so it
 still tells samples apart there, of things that move above all. It is (0, 0) where there is no triangle or curve.
-The scene's seed tells pictures apart where no ray does: Cycles sends a pixel's first sample through its middle whatever
+The scene's seed tells renders apart where no ray does: Cycles sends a pixel's first sample through its middle whatever
 the seed, so that pictures of several seeds would share its noise.
 Each is hashed before it meets the next: a sum would lose the digits of the smaller.
 

@@ -210,9 +210,9 @@ def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: 
         yield scene
     finally:
         bpy.data.scenes.remove(scene)
-        for name, kept in before.items():
+        for name, known in before.items():
             collection = getattr(bpy.data, name)
-            for item in set(collection) - kept:
+            for item in set(collection) - known:
                 collection.remove(item)
 
 

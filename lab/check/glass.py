@@ -130,7 +130,7 @@ def smooth_row(setup: Setup, estimator: str, eta: float, *, inside: bool = False
 def closure_row(setup: Setup, eta: float, m: float, *, inside: bool = False) -> Row:
     """``closure`` lit by a sun below: the BTDF with Smith's G, on the hemisphere and around the refracted ray.
 
-    Only pairs that some facet connects: Cycles does not check v.h > 0 and (n.h) > 0, so its lamps also shine through
+    Only pairs that some facet connects: Cycles does not check v.h > 0 and (n.h) > 0, so its lights also shine through
     facets that the view sees from behind, at m = 1 by up to 16 % of the peak (Blender 4.5 and 5.2).
     """
     row = Row(f"closure, sun below{', inside' * inside}", setup, MODEL, "interface", {"eta": eta, "m": m})
