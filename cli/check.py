@@ -31,7 +31,7 @@ def check(*, json_file: JsonOption = None, quick: QuickOption = False) -> None:
     from ..lab.check import plan as check_plan
 
     plan = check_plan.quick_plan() if quick else check_plan.plan()
-    rows = [measure_row(*arguments) for measure_row, arguments in progress(plan, "measuring", len(plan))]
+    rows = [measure() for measure in progress(plan, "measuring", len(plan))]
     out.print(_table(rows))
     failed = sum(not row.passed for row in rows)
     out.print(f"{len(rows) - failed} rows passed, {failed} failed; Blender {versions()['blender']}", highlight=False)
@@ -43,9 +43,11 @@ def check(*, json_file: JsonOption = None, quick: QuickOption = False) -> None:
 
 
 def _table(rows: Iterable[Row]) -> Table:
-    table = Table("estimator", "run as", "Fresnel", "m", "worst", "bar", "resolves", "")
+    table = Table("model", "estimator", "run as", "variant", "at", "worst", "bar", "resolves", "")
     for row in rows:
         worst, bar = (f"{row.error:.2%}", f"{row.bar:.2%}") if row.is_noisy else (f"{row.error:.1e}", f"{row.bar:.1e}")
         passed = "ok" if row.passed else "FAILED"
-        table.add_row(row.test, str(row.setup), row.fresnel, f"{row.m:g}", worst, bar, f"{row.resolves:.1e}", passed)
+        at = ", ".join(f"{name} {value:.4g}" for name, value in row.at.items())
+        measured = worst, bar, f"{row.resolves:.1e}", passed
+        table.add_row(row.model, row.test, str(row.setup), row.variant, at, *measured)
     return table

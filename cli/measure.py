@@ -41,6 +41,14 @@ OutputOption = Annotated[
 ThetaOption = Annotated[
     float | None, typer.Option(parser=real(0.0, 89.99), metavar="DEG", help="Angle between the sun and the normal")
 ]
+PhiOption = Annotated[
+    float,
+    typer.Option(
+        parser=real(-360.0, 360.0),
+        metavar="DEG",
+        help="Azimuth of the sun. --window turns with it; the hemisphere's pixels keep their phi_o",
+    ),
+]
 SunAngleOption = Annotated[
     float, typer.Option(parser=real(0.0, 90.0), metavar="DEG", help="Angular diameter of the sun; mirror needs one")
 ]
@@ -62,6 +70,7 @@ def measure(
     *,
     settings: SetOption = None,
     theta_i: ThetaOption = None,
+    phi_i: PhiOption = 0.0,
     sun_angle: SunAngleOption = 0.0,
     furnace: FurnaceOption = False,
     window: WindowOption = 0.0,
@@ -76,7 +85,7 @@ def measure(
     """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer."""
     preset = apply_settings(presets.find(name), settings, at_time)
     size = parse_resolution(resolution)
-    _check_light(theta_i, sun_angle, window, furnace=furnace)
+    _check_light(theta_i, phi_i, sun_angle, window, furnace=furnace)
     if output.suffix.lower() != ".exr":
         message = f"{output}: measurements are EXR files; name one that ends in .exr"
         raise InputError(message)
@@ -86,7 +95,7 @@ def measure(
     from .. import headless
     from ..addon.blender import gonio, images
 
-    geometry = gonio.Geometry(theta_i or 0.0, window, size, sun_angle, furnace)
+    geometry = gonio.Geometry(theta_i or 0.0, window, size, sun_angle, furnace, phi_i=phi_i)
     start = time.perf_counter()
     osl = backend == Backend.OSL
     with headless.quiet():
@@ -103,13 +112,13 @@ def measure(
     say(f"wrote {output}")
 
 
-def _check_light(theta_i: float | None, sun_angle: float, window: float, *, furnace: bool) -> None:
+def _check_light(theta_i: float | None, phi_i: float, sun_angle: float, window: float, *, furnace: bool) -> None:
     """InputError unless there is one light: a sun, or the white world of the furnace."""
     if (theta_i is None) != furnace:
         message = "give either --theta-i DEG or --furnace"
         raise InputError(message)
-    if furnace and (window or sun_angle):
-        message = "--furnace has no sun: leave --window and --sun-angle out"
+    if furnace and (window or sun_angle or phi_i):
+        message = "--furnace has no sun: leave --window, --sun-angle and --phi-i out"
         raise InputError(message)
 
 

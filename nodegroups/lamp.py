@@ -46,7 +46,7 @@ from ._tree import (
     tangents,
     vector,
 )
-from .random_numbers import random_numbers
+from .random_numbers import random_numbers, stream
 
 if TYPE_CHECKING:
     from bpy.types import Node
@@ -54,7 +54,6 @@ if TYPE_CHECKING:
 REVISION = 4
 AREAS = ("RECTANGLE", "ELLIPSE")
 KINDS = ("SUN", "POINT", "SPOT", *AREAS)
-STREAM = 10  # of the first lamp; each further one has the next. mirror's facet has the first
 RIG = "vgroove_lights"  # custom property of a scene that tells of its lights (addon/blender/lamps.py)
 
 
@@ -159,7 +158,7 @@ def _size_interface(tree: Tree, kind: str) -> dict[str, Value]:
             "Soft Falloff", 0.0, low=0.0, high=1.0, tip="1: a disc that faces what it lights; 0: a ball"
         )
     inputs["Stream"] = tree.input_float(
-        "Stream", STREAM, low=0.0, high=40.0, tip="Random numbers of its own for each lamp"
+        "Stream", stream("LIGHT"), low=0.0, high=40.0, tip="Random numbers of its own for each lamp"
     )
     return inputs
 
@@ -205,7 +204,7 @@ def build_slot(tree: Tree, slot: Slot, *, shadows: bool, osl: bool) -> None:
     make = build_osl if osl else build
     group = ensure(name(**variant) + " (OSL)" * osl, REVISION, partial(make, **variant))
     tip = "Random numbers of its own for each light"
-    drawn = {"Stream": tree.input_float("Stream", STREAM, low=0.0, high=40.0, tip=tip)} if slot.sized else {}
+    drawn = {"Stream": tree.input_float("Stream", stream("LIGHT"), low=0.0, high=40.0, tip=tip)} if slot.sized else {}
     with tree.frame("What the scene tells of the light"):
         node = tree.group(group, **drawn)
         read = {array: _attribute(tree, slot.entry(array)) for array in slot.arrays()}

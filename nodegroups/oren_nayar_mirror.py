@@ -14,7 +14,7 @@ from . import oren_nayar
 from . import oren_nayar_direct as direct
 from ._tree import Tree, cos, cross, less, maximum, normalize, output, scale, select, sin, sqrt
 from .lamp_beams import beam_interfaces
-from .random_numbers import random_numbers
+from .random_numbers import random_numbers, stream
 from .shading_normal import shading_normal, smoothing
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 NAME = "VGroove Oren-Nayar Mirror"
 REVISION = 4
-STREAM = 2  # apart from Cook-Torrance's, whose draw may stand beside this one in a sum
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:
@@ -53,7 +52,7 @@ def ray(
     ``carried``: what other closures send of f from wi already; the mirror then sends the rest, where it is positive.
     """
     N, wo = shading_normal(tree, inputs.normal), tree.geometry("Incoming")
-    u1, u2, _ = random_numbers(tree, STREAM)
+    u1, u2, _ = random_numbers(tree, stream("DIRECTION"))
     with tree.frame("wi by the cosine"):
         axis = select(less(N.xyz[2] ** 2, 0.8), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
         T = normalize(cross(N, axis))

@@ -35,6 +35,7 @@ FOLDER = Path(__file__).parent.parent / "osl"
 TABLES = {
     "oren_nayar_fit_table.h": oren_nayar_table.header,
     "cook_torrance_fit_table.h": cook_torrance_table.header,
+    "random_numbers.h": random_numbers.osl_header,
     "versions.h": versions.osl_header,
 }
 PARAMETERS = parameters.headers()

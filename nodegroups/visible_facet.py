@@ -10,17 +10,15 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from ._tree import cos, dot, less, log, maximum, normalize, scale, select, sin, sqrt, tangents
-from .random_numbers import random_numbers
+from .random_numbers import random_numbers, stream
 
 if TYPE_CHECKING:
     from ._tree import Tree, Value
 
-STREAM = 1
-
 
 def visible_facet(tree: Tree, N: Value, wo: Value, m: Value) -> Value:
     """h by D(h) (n.h), swapped for its dual across the groove where the view rather sees that."""
-    u1, u2, u3 = random_numbers(tree, STREAM)
+    u1, u2, u3 = random_numbers(tree, stream("FACET"))
     with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
         T, B = tangents(N)
         tan = m * sqrt(-log(maximum(1.0 - u1, 1e-7)))  # u1 may round to 1

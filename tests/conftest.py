@@ -11,6 +11,7 @@ alone; what is more of the same is marked ``more``: `make test-all` has both.
 
 import contextlib
 import sys
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -74,6 +75,8 @@ def _values(parameters):
     for one in parameters:
         if isinstance(one, tuple | list):
             yield from _values(one)
+        elif isinstance(one, partial):  # a row of ``vgroove check``
+            yield from _values((one.func, *one.args, *filter(None, [one.keywords])))
         else:
             yield getattr(one, "__name__", None) or repr(one)
 

@@ -29,7 +29,8 @@ from vgroove.addon.blender import material, slots  # noqa: E402
 from vgroove.addon.blender.material import lamps_to_bind  # noqa: E402
 from vgroove.addon.library import presets  # noqa: E402
 from vgroove.headless import scene  # noqa: E402
-from vgroove.lab.check import rows as check  # noqa: E402
+from vgroove.lab.check.rows import SETUPS  # noqa: E402
+from vgroove.lab.check.views import direct_bar, noiseless_row  # noqa: E402
 
 NAMES = ("water", "plastic", "glass", "diamond", "copper", "aluminium")
 SAMPLES = 128
@@ -70,11 +71,12 @@ def agreement() -> Table:
     table = Table(
         "material", "m", "direct, nodes", "direct, OSL", "bar", title="Cycles against NumPy, share of the peak"
     )
-    plan = check.materials()
     for name in NAMES:
         preset = presets.find(f"lecture/{name}")
-        check.materials = lambda preset=preset: {**plan, "lecture": preset}
-        rows = [check.direct_row(setup, "lecture", preset.m) for setup in (check.SETUPS[0], check.SETUPS[2])]
+        rows = [
+            noiseless_row("direct", setup, preset, direct_bar(preset.m), variant=preset.kind, at={"m": preset.m})
+            for setup in (SETUPS[0], SETUPS[2])
+        ]
         table.add_row(preset.name, f"{preset.m:g}", *(f"{row.error:.1e}" for row in rows), f"{rows[0].bar:.0e}")
     return table
 

@@ -19,8 +19,8 @@ headless.prepare()
 import bpy  # noqa: E402 - prepare() must come first
 from mathutils import Vector  # noqa: E402
 
-from vgroove.lab.check import glass as check_glass  # noqa: E402
-from vgroove.lab.check import rows as check  # noqa: E402
+from vgroove.lab.check.glass import probe  # noqa: E402
+from vgroove.lab.check.rows import SETUPS  # noqa: E402
 from vgroove.nodegroups import versions  # noqa: E402
 
 SIZE = (300, 225)
@@ -28,7 +28,7 @@ BOUNCES = 24
 
 
 def glass(eta: float, m: float = 0.0, *, thin: bool = False) -> bpy.types.Material:
-    return check_glass.material(check.SETUPS[0], "mirror", eta, m, thin=thin)
+    return probe(SETUPS[0], "mirror", eta, m, thin=thin)
 
 
 def diffuse(*, checker: bool = False) -> bpy.types.Material:

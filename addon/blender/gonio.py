@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The virtual gonioreflectometer: a material's BRDF, measured in Cycles itself.
 
-An OSL camera sends pixel (x, y) as the ray that leaves a flat patch toward wo(x, y); a sun at theta_i lights it.
+An OSL camera sends pixel (x, y) as the ray that leaves a flat patch toward wo(x, y); a sun at theta_i, phi_i lights it.
 Works with OSL shading off too: then the material's plain nodes run in SVM, as they do on GPUs.
 A second instrument needs no OSL: one point of a point cloud is traced as a perfect sphere.
 """
@@ -38,10 +38,13 @@ if TYPE_CHECKING:
 class Geometry:
     """What is measured. Angles in degrees; ``window`` half width around the mirror direction, 0 for the hemisphere.
 
-    Beyond 90 degrees of theta_i the sun shines from below, through the patch, and the window is around the direction
-    that a smooth interface of index ``eta`` (below over above) refracts it to.
+    wi = (sin(theta_i) cos(phi_i), sin(theta_i) sin(phi_i), cos(theta_i)). Beyond 90 degrees of theta_i the sun shines
+    from below, through the patch, and the window is around the direction that a smooth interface of index ``eta``
+    (below over above) refracts it to.
     ``sun_angle`` is the sun's full angle (0: a direction); ``furnace``: a uniform white world in place of the sun, or
     the half of it that ``lit`` names. ``inside``: the patch shows its back.
+    ``tangent``: the azimuth of the UV map's u axis, which anisotropic materials take their tangent from. Without a UV
+    map Blender's tangent runs in circles around the patch and turns by 6 degrees over what the camera sees.
     """
 
     theta_i: float = 0.0
@@ -52,6 +55,8 @@ class Geometry:
     lit: Literal["all", "above", "below"] = "all"
     eta: float = 1.0
     inside: bool = False
+    phi_i: float = 0.0
+    tangent: float = 0.0
 
     @property
     def axis(self) -> float:
@@ -66,12 +71,16 @@ class Geometry:
 
     def wi(self) -> NDArray[np.float64]:
         """Direction to the (centre of the) sun, (3,)."""
-        return np.array([np.sin(np.radians(self.theta_i)), 0.0, np.cos(np.radians(self.theta_i))])
+        theta, (cos_phi, sin_phi) = np.radians(self.theta_i), self._azimuth()
+        return np.array([np.sin(theta) * cos_phi, np.sin(theta) * sin_phi, np.cos(theta)])
 
     def wo(self) -> NDArray[np.float64]:
         """Direction to the viewer of each pixel, (H, W, 3); row 0 nearest the normal, or at b = -window.
 
-        A window may reach below the surface.
+        Pixel (x, y) of the hemisphere is phi_o = 2 pi (x + .5)/W, theta_o = (pi/2)(y + .5)/H, whatever phi_i is.
+        The window's frame turns with phi_i: w + tan(a) e1 + tan(b) e2, normalised, with the mirror direction
+        w = (-sin(t), 0, cos(t)), e1 = (-cos(t), 0, -sin(t)), e2 = (0, 1, 0), all turned by phi_i about z; t is
+        ``axis``, a = window (2 (x + .5)/W - 1), b = window (2 (y + .5)/H - 1). It may reach below the surface.
         """
         width, height = self.resolution
         x, y = np.broadcast_arrays((np.arange(width) + 0.5) / width, ((np.arange(height) + 0.5) / height)[:, None])
@@ -82,7 +91,14 @@ class Geometry:
         inclined = np.radians(self.axis) + a
         # w + tan(a) e1 + tan(b) e2, times cos(a)
         wo = np.stack([-np.sin(inclined), np.cos(a) * np.tan(b), np.cos(inclined)], axis=-1)
-        return wo / np.linalg.norm(wo, axis=-1, keepdims=True)
+        wo /= np.linalg.norm(wo, axis=-1, keepdims=True)
+        cos_phi, sin_phi = self._azimuth()
+        across, along, up = np.moveaxis(wo, -1, 0)
+        return np.stack([cos_phi * across - sin_phi * along, sin_phi * across + cos_phi * along, up], axis=-1)
+
+    def _azimuth(self) -> tuple[float, float]:
+        """Cosine and sine of phi_i."""
+        return float(np.cos(np.radians(self.phi_i))), float(np.sin(np.radians(self.phi_i)))
 
 
 def measure(
@@ -117,15 +133,15 @@ def measure_course(
     preset: Preset, backend: str, estimator: str, geometry: Geometry, play: Play, frames: Sequence[float], *,
     samples: int = 1, shading_osl: bool = True,
 ) -> NDArray[np.float32]:  # fmt: skip
-    """As ``measure_preset``, of a material that plays ``preset``'s course, at each of ``frames``: (N, H, W, 3).
+    """As ``measure_preset``, of a material that plays ``preset``'s course: (N, H, W, 3) float32, in 1/sr.
 
-    Each frame has a seed of its own.
+    frames: the N frames of the course at which it is measured, fractions too; each has a seed of its own.
     """
     with stage(geometry.resolution, samples=samples, seed=0, shading_osl=shading_osl) as scene:
         scene.render.use_persistent_data = True
         light(scene, geometry)
         bound = lamps_to_bind(scene, estimator, preset.model)
-        _patch(scene, build(preset, Choice(backend, estimator, bound, shadows=False, play=play)))
+        _patch(scene, build(preset, Choice(backend, estimator, bound, shadows=False, play=play)), geometry)
         _camera(scene, geometry)
         images, shown = [], bpy.context.scene
         before = shown.frame_current, shown.frame_subframe
@@ -160,7 +176,7 @@ def instrument(
     """
     with stage(geometry.resolution, samples=samples, seed=seed, shading_osl=shading_osl) as scene:
         light(scene, geometry)
-        _patch(scene, make(scene), inside=geometry.inside)
+        _patch(scene, make(scene), geometry)
         _camera(scene, geometry)
         yield scene
 
@@ -194,14 +210,14 @@ def stage(resolution: tuple[int, int], *, samples: int, seed: int, shading_osl: 
         yield scene
     finally:
         bpy.data.scenes.remove(scene)
-        for name, kept in before.items():
+        for name, known in before.items():
             collection = getattr(bpy.data, name)
-            for item in set(collection) - kept:
+            for item in set(collection) - known:
                 collection.remove(item)
 
 
 def light(scene: Scene, geometry: Geometry) -> tuple[Object, ...]:
-    """The sun at theta_i, so strong that a BRDF of f gives a radiance of f; or a uniform white world and no lamp."""
+    """The sun at wi, so strong that a BRDF of f gives a radiance of f; or a uniform white world and no lamp."""
     world = scene.world
     tree = versions.nodes_of(world)
     background = tree.nodes.get("Background") or tree.nodes.new("ShaderNodeBackground")
@@ -217,7 +233,7 @@ def light(scene: Scene, geometry: Geometry) -> tuple[Object, ...]:
     sun = bpy.data.lights.new("VGroove gonio", "SUN")
     sun.energy, sun.angle = 1.0 / abs(np.cos(np.radians(geometry.theta_i))), np.radians(geometry.sun_angle)
     lamp = bpy.data.objects.new("VGroove gonio", sun)
-    lamp.rotation_euler = (0.0, np.radians(geometry.theta_i), 0.0)
+    lamp.rotation_euler = (0.0, np.radians(geometry.theta_i), np.radians(geometry.phi_i))  # about y, then about z
     scene.collection.objects.link(lamp)
     return (lamp,)
 
@@ -234,11 +250,18 @@ def _light_half(world: World, background: Node, lit: str) -> None:
     links.new(step.outputs[0], background.inputs["Strength"])
 
 
-def _patch(scene: Scene, material: Material, *, inside: bool = False) -> None:
-    """One triangle far larger than what the camera sees: rays through an inner edge would miss."""
+def _patch(scene: Scene, material: Material, geometry: Geometry) -> None:
+    """One triangle far larger than what the camera sees (rays through an inner edge would miss), with a UV map."""
     mesh = bpy.data.meshes.new("VGroove gonio")
-    mesh.from_pydata([(-4, -3, 0), (4, -3, 0), (0, 5, 0)], [], [(0, 2, 1) if inside else (0, 1, 2)])
+    corners = np.array([(-4, -3, 0), (4, -3, 0), (0, 5, 0)])
+    mesh.from_pydata(corners.tolist(), [], [(0, 2, 1) if geometry.inside else (0, 1, 2)])
     mesh.materials.append(material)
+    turn = np.radians(geometry.tangent)
+    u, v = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
+    uvs = mesh.uv_layers.new(name="UVMap").uv
+    for loop in mesh.loops:
+        place = corners[loop.vertex_index, :2]
+        uvs[loop.index].vector = (place @ u, place @ v)
     scene.collection.objects.link(bpy.data.objects.new("VGroove gonio", mesh))
 
 
@@ -254,6 +277,7 @@ def _camera(scene: Scene, geometry: Geometry) -> None:
     custom = camera.cycles_custom
     custom["resolution"] = (*map(float, geometry.resolution), 0.0)
     custom["window"], custom["theta_i"] = float(geometry.window), float(geometry.axis)
+    custom["phi_i"] = float(geometry.phi_i)
     item = bpy.data.objects.new("VGroove gonio", camera)
     scene.collection.objects.link(item)
     scene.camera = item

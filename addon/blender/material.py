@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ... import nodegroups
-from ...nodegroups import absorption, eevee, lamp, versions
+from ...nodegroups import absorption, eevee, lamp, random_numbers, versions
 from ..models.estimators import ALL as ESTIMATORS
 from ..models.estimators import EVERY_LIGHT, NATIVE, RANDOM, UPRIGHT
 from . import colour_space, course, origin, roles
@@ -215,7 +215,7 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Light, choice: Choi
     source = _group_node(tree, nodegroups.ensure(name, lamp.REVISION, make), f"Light {index}: {slot}", roles.LIGHT)
     source.location = (-300, -160 * (index - 1))
     if "Stream" in source.inputs:
-        source.inputs["Stream"].default_value = lamp.STREAM + index - 1
+        source.inputs["Stream"].default_value = random_numbers.stream("LIGHT", index - 1)
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
 

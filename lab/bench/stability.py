@@ -40,9 +40,9 @@ from ...addon.reference import CookTorrance, albedo, rendered
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.oren_nayar_fit import KINDS
 from ...addon.reference.quadrature import diffuse_albedo, vgroove_albedo, vgroove_mean
+from ..check import cook_torrance, rows, views
 from ..check import glass as check_glass
 from ..check import oren_nayar as check_oren_nayar
-from ..check import rows as check
 from ..check.rows import SETUPS, Row, Setup
 from . import stability_pictures, stability_reference
 from .record import Cell
@@ -64,7 +64,7 @@ SIGMAS = (0.0, 1e-6, 0.1, 1.0, np.pi / 2)
 SIDES = ("outside", "inside")
 ALL, SMOOTH_LOSS = 1024, check_glass.SMOOTH_BAR  # bounces, as many as Cycles makes; of light, to rounding
 NEAREST = 90.0 - 2.0**-17  # degrees: what float32 holds of 90 - 1e-6
-ROUNDING = 2.0**-15.5  # of a sum of at most 2^17 samples in float32, as in ``check.View``
+ROUNDING = 2.0**-15.5  # of a sum of at most 2^17 samples in float32, as in ``rows.View``
 DARKEST = 0.5  # of the formula's albedo, by estimators that only come near it; black is none of them
 STATED = 0.01  # of a lobe: what rounding may do without a word
 FEW = 2  # of a line's values, in a quick report: its ends
@@ -110,7 +110,7 @@ class Line:
 def sky(estimator: str, change: Callable[[float], Preset], value: float, setup: Setup) -> Seen:
     """Any preset under a white sky, by an estimator that is no more than near the formula."""
     preset = change(value)
-    image = check.measure(preset, setup, estimator, SKY, SAMPLES)
+    image = views.measure(preset, setup, estimator, SKY, SAMPLES)
     limit = _warned(preset, setup, estimator, "slope")
     return Seen(image, alike=True, limit=limit, more=_lit(image, albedo(preset.reference(), COLUMN)))
 
@@ -132,7 +132,7 @@ def facets(change: Callable[[float], Preset], value: float, setup: Setup) -> See
     preset = change(value)
     m, F = float(np.float32(preset.m)), preset.reference_fresnel()
     moments = albedo(CookTorrance(m, F), COLUMN), vgroove_albedo(COLUMN, m, F, moment=2)
-    seen = weighed(check.measure(preset, setup, "mirror", SKY, SAMPLES), setup, *moments)
+    seen = weighed(views.measure(preset, setup, "mirror", SKY, SAMPLES), setup, *moments)
     if not 0.0 < np.max(moments[0]) < LIGHTEST:
         return seen
     warned = _warned(preset, setup, "mirror", "faint")
@@ -144,7 +144,7 @@ def diffuse(kind: str, sigma: float, setup: Setup) -> Seen:
     preset = check_oren_nayar.preset(kind, sigma)
     model = check_oren_nayar.model(preset)
     square = diffuse_albedo(COLUMN, lambda wi, wo: np.pi * model.evaluate(wi, wo) ** 2)
-    image = check.measure(preset, setup, "mirror", SKY, SAMPLES)
+    image = views.measure(preset, setup, "mirror", SKY, SAMPLES)
     return weighed(image, setup, model.directional_albedo(COLUMN), square)
 
 
@@ -157,8 +157,8 @@ def glass(inside: bool, m: float, eta: float, setup: Setup) -> Seen:  # noqa: FB
         return np.stack([total, total**2, 0.0 * total], axis=-1)
 
     found = vgroove_mean(COLUMN, float(np.float32(m)), ahead, worth)
-    made = check_glass.material(setup, "mirror", eta, m)
-    image = check_glass.measure(made, setup, replace(SKY, inside=inside), SAMPLES)
+    made = check_glass.probe(setup, "mirror", eta, m)
+    image = check_glass.measure_probe(made, setup, replace(SKY, inside=inside), SAMPLES)
     return weighed(image, setup, found[..., :1], found[..., 1:2])
 
 
@@ -170,20 +170,20 @@ def weighed(image: NDArray[np.float64], setup: Setup, mean: NDArray[np.float64],
     """
     mean, square = (np.broadcast_to(part, image.shape) for part in (mean, square))
     events = SAMPLES * np.maximum(square - mean**2, 0.0)[..., 0]
-    view = check.pooled_view(SKY, events, image, mean, square, SAMPLES)
-    return Seen(image, alike=True, row=Row("sky", setup, "", 0.0, [view]))
+    view = views.pooled_view(SKY, events, image, mean, square, SAMPLES)
+    return Seen(image, alike=True, row=Row("sky", setup, views=[view]))
 
 
 def native_glass(inside: bool, m: float, eta: float, setup: Setup) -> Seen:  # noqa: FBT001 - the same
-    made = check_glass.material(setup, "closure", eta, m)
-    image = check_glass.measure(made, setup, replace(SKY, inside=inside), SAMPLES)
+    made = check_glass.probe(setup, "closure", eta, m)
+    image = check_glass.measure_probe(made, setup, replace(SKY, inside=inside), SAMPLES)
     return Seen(image, alike=True, more=_lit(image, np.ones(image.shape)))  # next to all of it, at this m
 
 
 def grazing_view(m: float, theta: float, setup: Setup) -> Seen:
     """The white sky by ``mirror``, by views within 1/64 of what is left to the horizon."""
     geometry = gonio.Geometry(theta, window=max(90.0 - theta, 1e-5) / 64, furnace=True, resolution=(16, 8))
-    image = check.measure(white(m), setup, "mirror", geometry, SAMPLES)
+    image = views.measure(white(m), setup, "mirror", geometry, SAMPLES)
     return replace(weighed(image, setup, *_grazing_moments(m, geometry)), alike=False)
 
 
@@ -215,16 +215,18 @@ def grazing_light(estimator: str, m: float, theta: float, setup: Setup) -> Seen:
 
     Cosine-free: no share of light. Around it as far as the horizon's half or, if that is less, four times the slope.
     """
-    preset = check.materials()["dielectric"].with_parameters(m=m)
+    preset = cook_torrance.materials()["dielectric"].with_parameters(m=m)
     near = min(max(90.0 - theta, 1e-5) / 2, np.degrees(4.0 * m))
     geometries = [gonio.Geometry(theta, window, (33, 33)) for window in (0.0, near)]  # one pixel sees the peak itself
-    images = [check.measure(preset, setup, estimator, geometry) for geometry in geometries]
-    views = [beside(*pair, estimator, preset, setup) for pair in zip(images, geometries, strict=True)]
-    worst = max(views, key=lambda view: view.error / view.bar)
+    images = [views.measure(preset, setup, estimator, geometry) for geometry in geometries]
+    compared = [beside(*pair, estimator, preset, setup) for pair in zip(images, geometries, strict=True)]
+    worst = max(compared, key=lambda view: view.error / view.bar)
     more = {"error": worst.error, "bar": worst.bar, "holds": worst.error <= worst.bar}
-    approximate = check.fresnel_approximation(setup, "dielectric") if estimator in {*NATIVE, "corrected"} else 0.0
+    approximate = (
+        cook_torrance.fresnel_approximation(setup, "dielectric") if estimator in {*NATIVE, "corrected"} else 0.0
+    )
     limits = [_warned(preset, setup, estimator, "fresnel") if approximate else ""]
-    limits += _rounded(max(view.bar for view in views) - approximate, float(np.min(images)))
+    limits += _rounded(max(view.bar for view in compared) - approximate, float(np.min(images)))
     return Seen(np.stack(images), limit="; ".join(filter(None, limits)), more=more)
 
 
@@ -243,10 +245,10 @@ def _rounded(bar: float, lowest: float) -> list[str]:
 
 def beside(
     image: NDArray[np.float64], geometry: gonio.Geometry, estimator: str, preset: Preset, setup: Setup
-) -> check.View:
+) -> rows.View:
     """``image`` beside the formula of ``estimator``; of a sun where float32 puts it.
 
-    As ``check.exact_row``. The sun's strength allows for the cosine of theta, not of what float32 has of it.
+    As ``views.noiseless_row``. The sun's strength allows for the cosine of theta, not of what float32 has of it.
 
     Normalizing rounds each component of wi and wo by up to 2^-24 of it, for the length and for the quotient. Then h
     turns, and its slope s changes by up to d = 2^-23 max(|wi|, |wo|) / (wi + wo)_z along each axis. At grazing angles
@@ -258,7 +260,7 @@ def beside(
     wi, wo = np.array([np.sin(theta), 0.0, np.cos(theta)]), seen(geometry)
     brighter = np.cos(theta) / np.cos(np.radians(geometry.theta_i))
     native = estimator in {*NATIVE, "corrected"}
-    approximate = check.fresnel_approximation(setup, "dielectric") if native else 0.0
+    approximate = cook_torrance.fresnel_approximation(setup, "dielectric") if native else 0.0
     of = (white(m) if approximate else preset).reference()
     lobes = [rendered(of, name) for name in {"corrected": ("direct", "fit")}.get(estimator, (estimator,))]
     formula = rendered(preset.reference(), estimator if estimator in NATIVE else "direct")
@@ -267,19 +269,19 @@ def beside(
     peak = float(np.max(lobes[0](wi, wi * [-1.0, -1.0, 1.0])))
     scale = brighter * max(*(float(np.max(lobe(wi, wo))) for lobe in lobes), 2.0**-64 * peak)
     h = wi + wo
-    turned = 2.0 * check.ROUNDING * np.maximum(np.abs(wi), np.abs(wo))[..., :2] / h[..., 2:]
+    turned = 2.0 * rows.ROUNDING * np.maximum(np.abs(wi), np.abs(wo))[..., :2] / h[..., 2:]
     changed = np.sum(2.0 * np.abs(h[..., :2] / h[..., 2:]) * turned + turned**2, axis=-1, keepdims=True) / m**2
     bar = float(np.max(np.minimum(changed, 1.0) * expected / scale))  # weighed by what the view shows there
     if native:
         eta = float(np.asarray(preset.parameters["eta"]))
         steep = 2.0 * (1.0 + eta**2) / (eta**2 - 1.0) ** 0.5
         nearest = float(np.min(np.linalg.norm(h, axis=-1)))
-        bar += approximate + check.closure_bar(m) + min(1.0, steep * 2.0 * check.ROUNDING / nearest)
+        bar += approximate + views.closure_bar(m) + min(1.0, steep * 2.0 * rows.ROUNDING / nearest)
     else:
-        bar += check.direct_bar(m)
+        bar += views.direct_bar(m)
     # A difference of two equal numbers may round to below 0.
     signed = estimator == "corrected" and np.min(image) >= -bar * scale
-    return check.View(geometry, np.maximum(image, 0.0) if signed else image, expected, bar, scale)
+    return rows.View(geometry, np.maximum(image, 0.0) if signed else image, expected, bar, scale)
 
 
 def _held(theta: float) -> float:
@@ -326,9 +328,9 @@ def copies(shot: Shot, setup: Setup) -> Seen:
     first, second = (stability_pictures.photo(one, setup) for one in (shot, stability_pictures.other_copy(shot)))
     a, b = (one.row.views[0].measured[..., 0].ravel() for one in (first, second))
     alike = float(np.corrcoef(a, b)[0, 1])  # of 1024 independent pixels: 0 with a standard deviation of 1/32
-    both = Row("instances", setup, "white", first.row.m, [first.row.views[0], second.row.views[0]])
+    both = replace(first.row, test="instances", views=[first.row.views[0], second.row.views[0]])
     images = np.stack([view.measured for view in both.views])
-    return Seen(images, row=both, more={"correlation": alike, "holds": abs(alike) * a.size**0.5 < check.limit(NOISY)})
+    return Seen(images, row=both, more={"correlation": alike, "holds": abs(alike) * a.size**0.5 < rows.limit(NOISY)})
 
 
 def bounces(estimator: str, most: int, setup: Setup) -> Seen:
@@ -372,12 +374,12 @@ def course(law: str, driving: str, rate: float, setup: Setup) -> Seen:
 
 
 def white(m: float) -> Preset:
-    return check.materials()["white"].with_parameters(m=m)
+    return cook_torrance.materials()["white"].with_parameters(m=m)
 
 
 def reflecting(kind: str, name: str, value: float) -> Preset:
     """A material whose Fresnel term is at an end of its range, at m = 0.3."""
-    return check.materials()[kind].with_parameters(**{name: value})
+    return cook_torrance.materials()[kind].with_parameters(**{name: value})
 
 
 def float32_eta(eta: float) -> Preset:
@@ -576,16 +578,16 @@ def _highest(seen: Seen) -> tuple[float, float]:
     means = seen.image.mean(axis=1)
     errors = seen.image.std(axis=1, ddof=1) / seen.image.shape[1] ** 0.5
     at = np.unravel_index(int(np.argmax(means)), means.shape)
-    return float(means[at]), check.limit(NOISY * means.size) * float(errors[at])
+    return float(means[at]), rows.limit(NOISY * means.size) * float(errors[at])
 
 
 def _unbiased(row: Row) -> tuple[float, float, bool]:
     """Z of the common factor, how far off it would be seen, and whether all that is tested is as by chance."""
     try:
-        z, resolved = row.scale_z, row.resolves * check.limit(NOISY) / check.limit(check.NOISY_ROWS)
+        z, resolved = row.scale_z, row.resolves * rows.limit(NOISY) / rows.limit(rows.NOISY_ROWS)
     except ZeroDivisionError:  # no pixel carries noise: each is judged by its rounding
         z, resolved = 0.0, ROUNDING
-    enough = all(check.share_within(view.z) >= row.bar for view in row.views)
-    spread = max(check.spread_z(view.z) for view in row.views)
-    by_chance = enough and abs(z) <= check.limit(NOISY) and spread <= check.limit(NOISY * len(row.views))
+    enough = all(rows.share_within(view.z) >= row.bar for view in row.views)
+    spread = max(rows.spread_z(view.z) for view in row.views)
+    by_chance = enough and abs(z) <= rows.limit(NOISY) and spread <= rows.limit(NOISY * len(row.views))
     return z, resolved, by_chance

@@ -24,7 +24,8 @@ from ...addon.reference import albedo
 from ...addon.reference.quadrature import vgroove_albedo
 from ...headless import scene
 from ...nodegroups import random_numbers, versions
-from ..check.rows import SETUPS, Row, Setup, View, limit, materials
+from ..check.cook_torrance import materials
+from ..check.rows import SETUPS, Row, Setup, View, limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -87,7 +88,7 @@ def photo(shot: Shot, setup: Setup) -> Photo:
             image = gonio.rendered(shown).astype(np.float64)
     mean, square = moments()
     variance = np.full(image.shape, (square - mean**2) / SAMPLES)
-    row = Row("picture", setup, "white", SLOPE)
+    row = Row("picture", setup, "cook_torrance", "white", {"m": SLOPE})
     row.views.append(View(gonio.Geometry(), image, np.full(image.shape, mean), variance=variance))
     noise = float(np.sqrt(np.mean(np.square(image - mean)) / variance[0, 0, 0]))
     return Photo(row, noise, numbers(shot), foreseen, " ".join(warned))

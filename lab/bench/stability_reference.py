@@ -23,7 +23,7 @@ from ...addon.reference import (
     rendered,
     spherical,
 )
-from ..check import rows as check
+from ..check.views import direct_bar
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -132,5 +132,5 @@ def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
     nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES
     crowded = driving == "curves" and nearest < fcurves.CLOSEST
     limit = f"F-curves have no two keys within {fcurves.CLOSEST:g} frames: a step takes that long" if crowded else ""
-    more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= check.direct_bar(0.05)}
+    more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= direct_bar(0.05)}
     return {"image": images.astype(np.float64), "limit": limit, "more": more}

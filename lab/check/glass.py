@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Glass in Cycles against NumPy, in the manner of ``check``: rows of views, judged by bars or by Z-tests.
+"""Rows of ``vgroove check`` for glass, an interface or a thin sheet, in every estimator and backend.
 
 A white furnace gives R + T; one lit only above or only below gives R or T alone. The sun below gives the BTDF.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
@@ -19,24 +20,24 @@ from ...addon.reference.directions import dot
 from ...addon.reference.glass import pane, refraction_facet, transmitted_g
 from ...addon.reference.quadrature import vgroove_mean
 from ...nodegroups import glass_closure, glass_mirror, versions
-from . import rows as check
+from .rows import ROUNDING, SETUPS, Plan, Row, Setup, View, side_by_side
+from .views import SUN_ANGLES, WINDOW, disc, furnace, pooled_view, sun_radiance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from bpy.types import Material
     from numpy.typing import NDArray
 
-    from .rows import Row, Setup
-
+MODEL = "glass"
 SLOPES = (0.1, 0.3, 0.6, 1.0)
 CLOSURE_SLOPES = (0.1, 0.3, 1.0)
 ETAS = (1.33, 1.5, 2.42, 1.0 / 1.5)
 THETAS = (180.0, 160.0, 140.0, 100.0)  # of the sun below
 SUN_THETAS = (175.0, 150.0)
-# So many that every row surely turns red on a common error of 1 % (check.surely_seen).
+# So many that every row surely turns red on a common error of 1 % (surely_seen).
 SAMPLES = {"all": 512, "below": 1024, "above": 3072}  # one side alone depends on what Cycles picks
-# From inside lobes are broad and seldom hit the disc.
+# From inside lobes are broad and rarely hit the disc.
 SUN_SAMPLES = {0.1: 512, 0.3: 512, 0.6: 2048, 1.0: 4096}
 INSIDE_SUN_SAMPLES = {0.1: 2048, 0.3: 4096}
 SMOOTH_BAR = 1e-4
@@ -44,7 +45,7 @@ NOISY_ROWS = 85  # of the plan, judged by Z-tests; a test holds it to the plan
 MODULES = {"closure": glass_closure, "mirror": glass_mirror}
 
 
-def material(
+def probe(
     setup: Setup,
     estimator: str,
     eta: float,
@@ -70,7 +71,11 @@ def material(
     return made
 
 
-def measure(made: Material, setup: Setup, geometry: gonio.Geometry, samples: int) -> NDArray[np.float64]:
+def _kind(*, thin: bool) -> str:
+    return "thin" if thin else "interface"
+
+
+def measure_probe(made: Material, setup: Setup, geometry: gonio.Geometry, samples: int) -> NDArray[np.float64]:
     """The image of ``made``, which is removed."""
     with headless.quiet():
         image = gonio.measure(made, geometry, samples=samples, shading_osl=setup.shading_osl)
@@ -84,21 +89,22 @@ def furnace_row(setup: Setup, eta: float, m: float, lit: str, *, inside: bool = 
     One sample is worth FR + (1-F)T of its facet where it finds light. In half a world it does with the share that
     Cycles gives to the closure on that side, in proportion to the weights.
     """
-    geometry = gonio.Geometry(furnace=True, lit=lit, resolution=(32, 32), inside=inside)  # type: ignore[arg-type]
+    geometry = replace(furnace(), lit=lit, inside=inside)  # type: ignore[arg-type]
     ahead = float(np.float32(1.0 / eta if inside and not thin else eta))
-    mean, square = furnace_moments(ahead, m, lit, thin=thin)
-    made = material(setup, "mirror", eta, m, thin=thin)
-    # Near total reflection light is found seldom: so many samples of equal worth would give this mean and square.
+    mean, square = (np.broadcast_to(moment, (32, 32, 3)) for moment in furnace_moments(ahead, m, lit, thin=thin))
+    made = probe(setup, "mirror", eta, m, thin=thin)
+    # Near total reflection light is found rarely: so many samples of equal worth would give this mean and square.
     hits = SAMPLES[lit] * mean[..., 0] ** 2 / np.where(square[..., 0] > 0, square[..., 0], 1.0)
-    view = check.pooled_view(geometry, hits, measure(made, setup, geometry, SAMPLES[lit]), mean, square, SAMPLES[lit])
+    view = pooled_view(geometry, hits, measure_probe(made, setup, geometry, SAMPLES[lit]), mean, square, SAMPLES[lit])
     side = {"all": "R + T", "above": "R", "below": "T"}[lit]
-    test = f"{'sheet' if thin else 'glass'} mirror, {side}{', inside' * inside}"
-    return check.Row(test, setup, f"IOR {eta:.4g}", m, [view], noisy_rows=NOISY_ROWS)
+    return Row(
+        f"mirror, {side}{', inside' * inside}", setup, MODEL, _kind(thin=thin), {"eta": eta, "m": m}, [view], NOISY_ROWS
+    )
 
 
 @cache
 def furnace_moments(eta: float, m: float, lit: str, *, thin: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean and mean square of what one sample is worth for each pixel of a furnace, (32, 32, 3)."""
+    """Mean and mean square of what one sample is worth for each row of a furnace, (32, 1, 3)."""
 
     def worth_of_facet(F: Any, R: Any, T: Any) -> Any:
         F, T = (pane(F), 1.0) if thin else (F, T)
@@ -106,40 +112,39 @@ def furnace_moments(eta: float, m: float, lit: str, *, thin: bool) -> tuple[NDAr
         found = {"all": up + down, "above": up, "below": down}[lit]
         return np.stack([found, found * (up + down), 0.0 * found], axis=-1)
 
-    column = gonio.Geometry(furnace=True, resolution=(32, 32)).wo()[:, :1]
-    moments = vgroove_mean(column, m, eta, worth_of_facet)
-    mean, square = (np.broadcast_to(moments[..., k : k + 1], (32, 32, 3)) for k in (0, 1))
+    moments = vgroove_mean(furnace().wo()[:, :1], m, eta, worth_of_facet)
+    mean, square = (np.repeat(moments[..., k : k + 1], 3, axis=-1) for k in (0, 1))
     return mean, square
 
 
 def smooth_row(setup: Setup, estimator: str, eta: float, *, inside: bool = False, thin: bool = False) -> Row:
     """m = 0 in a white world: nothing is lost."""
-    geometry = gonio.Geometry(furnace=True, resolution=(32, 32), inside=inside)
-    made = material(setup, estimator, eta, 0.0, thin=thin)
-    measured = measure(made, setup, geometry, 16)
-    view = check.View(geometry, measured, np.ones_like(measured), SMOOTH_BAR, 1.0)
-    return check.Row(f"{'sheet' if thin else 'glass'} {estimator}, m = 0", setup, f"IOR {eta:.4g}", 0.0, [view])
+    geometry = replace(furnace(), inside=inside)
+    made = probe(setup, estimator, eta, 0.0, thin=thin)
+    measured = measure_probe(made, setup, geometry, 16)
+    view = View(geometry, measured, np.ones_like(measured), SMOOTH_BAR, 1.0)
+    return Row(f"{estimator}, sky", setup, MODEL, _kind(thin=thin), {"eta": eta, "m": 0.0}, [view])
 
 
 def closure_row(setup: Setup, eta: float, m: float, *, inside: bool = False) -> Row:
     """``closure`` lit by a sun below: the BTDF with Smith's G, on the hemisphere and around the refracted ray.
 
-    Only pairs that some facet connects: Cycles does not check v.h > 0 and (n.h) > 0, so its lamps also shine through
+    Only pairs that some facet connects: Cycles does not check v.h > 0 and (n.h) > 0, so its lights also shine through
     facets that the view sees from behind, at m = 1 by up to 16 % of the peak (Blender 4.5 and 5.2).
     """
-    row = check.Row(f"glass closure, sun below{', inside' * inside}", setup, f"IOR {eta:.4g}", m)
+    row = Row(f"closure, sun below{', inside' * inside}", setup, MODEL, "interface", {"eta": eta, "m": m})
     m32, ahead = float(np.float32(m)), float(np.float32(1.0 / eta if inside else eta))
-    bar = max(2e-4, 4.0 * check.ROUNDING / m**2)
+    bar = max(2e-4, 4.0 * ROUNDING / m**2)
     for geometry in _views(ahead, inside=inside):
         wi, wo = geometry.wi(), geometry.wo()
         h, length = refraction_facet(np.broadcast_to(wi, wo.shape), wo, ahead)
         connected = (length > 0) & (h[..., 2] > 0)
         expected = glass_btdf(wi, wo, m32, ahead, smith_g(-wi, wo, m32))[connected][:, None] * np.ones(3)
-        measured = measure(material(setup, "closure", eta, m), setup, geometry, 1)[connected]
+        measured = measure_probe(probe(setup, "closure", eta, m), setup, geometry, 1)[connected]
         # Where the view holds less than 2^-64 of the lobe there is only what exp() leaves of its underflow.
         lobe = float(glass_btdf([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], m32, ahead))
         scale = max(float(np.max(expected)), 2.0**-64 * lobe)
-        row.views.append(check.View(geometry, measured, expected, bar, scale))
+        row.views.append(View(geometry, measured, expected, bar, scale))
     return row
 
 
@@ -147,7 +152,7 @@ def _views(eta: float, *, inside: bool) -> Iterator[gonio.Geometry]:
     for theta_i in THETAS:
         yield gonio.Geometry(theta_i, inside=inside)
         if eta * np.sin(np.radians(theta_i)) < 0.98:  # else total reflection: there is no direction to look around
-            yield gonio.Geometry(theta_i, check.WINDOW, eta=eta, inside=inside)
+            yield gonio.Geometry(theta_i, WINDOW, eta=eta, inside=inside)
 
 
 def sun_row(setup: Setup, eta: float, m: float, *, inside: bool = False) -> Row:
@@ -156,21 +161,21 @@ def sun_row(setup: Setup, eta: float, m: float, *, inside: bool = False) -> Row:
     One sample that refracts to the disc is worth the radiance times FR + (1-F)T of its facet.
     """
     ahead, samples = float(np.float32(1.0 / eta if inside else eta)), (INSIDE_SUN_SAMPLES if inside else SUN_SAMPLES)[m]
-    model, angle = Glass(float(np.float32(m)), ahead), check.SUN_ANGLES[m]
-    row = check.Row(f"glass mirror, sun below{', inside' * inside}", setup, f"IOR {eta:.4g}", m, noisy_rows=NOISY_ROWS)
+    model, angle = Glass(float(np.float32(m)), ahead), SUN_ANGLES[m]
+    test, at = f"mirror, sun below{', inside' * inside}", {"eta": eta, "m": m}
+    row = Row(test, setup, MODEL, "interface", at, noisy_rows=NOISY_ROWS)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=angle, eta=ahead, inside=inside)
         wo = geometry.wo()
         mean, square = np.zeros_like(wo), np.zeros_like(wo)
-        disc_area = np.pi * np.sin(np.radians(angle / 2)) ** 2
-        radiance = 1.0 / abs(np.cos(np.radians(theta_i))) / disc_area
-        for wi, weight in zip(*check.disc(geometry), strict=True):
+        radiance = sun_radiance(geometry)
+        for wi, weight in zip(*disc(geometry), strict=True):
             f_cos = model.evaluate(wi, wo) * max(-wi[2], 0.0)
             mean += weight * radiance * f_cos
             square += weight * radiance**2 * f_cos * worth(model, wi, wo)[..., None]
-        measured = measure(material(setup, "mirror", eta, m), setup, geometry, samples)
+        measured = measure_probe(probe(setup, "mirror", eta, m), setup, geometry, samples)
         hits = samples * mean[..., 0] / radiance
-        row.views.append(check.pooled_view(geometry, hits, measured, mean, square, samples))
+        row.views.append(pooled_view(geometry, hits, measured, mean, square, samples))
     return row
 
 
@@ -184,25 +189,26 @@ def worth(model: Glass, wi: NDArray[np.float64], wo: NDArray[np.float64]) -> NDA
     return total / np.where(G1 > 0, G1, 1.0)
 
 
-def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...], dict[str, Any]]]:
-    """Every row, as the function that measures it and its arguments."""
-    rows: list[tuple[Callable[..., Row], tuple[Any, ...], dict[str, Any]]] = []
-    for setup in check.SETUPS:
-        few = setup is check.SETUPS[1]  # the same nodes as in SVM, and slow to compile
+def plan() -> Plan:
+    """Every row."""
+    rows: Plan = []
+    for setup in SETUPS:
+        few = setup is SETUPS[1]  # the same nodes as in SVM, and slow to compile
         for eta in (1.5,) if few else ETAS:
             for estimator in MODULES:
-                rows += [(smooth_row, (setup, estimator, eta), {kind: True}) for kind in ("inside", "thin")]
-                rows.append((smooth_row, (setup, estimator, eta), {}))
-            rows += [(closure_row, (setup, eta, m), {}) for m in ((0.3,) if few else CLOSURE_SLOPES)]
-        rows += [(closure_row, (setup, 1.5, m), {"inside": True}) for m in ((0.3,) if few else CLOSURE_SLOPES)]
-        rows += [(furnace_row, (setup, 1.5, m, "all"), {"inside": True}) for m in ((0.3,) if few else SLOPES)]
+                rows += [partial(smooth_row, setup, estimator, eta, inside=True)]
+                rows += [partial(smooth_row, setup, estimator, eta, thin=True)]
+                rows += [partial(smooth_row, setup, estimator, eta)]
+            rows += [partial(closure_row, setup, eta, m) for m in ((0.3,) if few else CLOSURE_SLOPES)]
+        rows += [partial(closure_row, setup, 1.5, m, inside=True) for m in ((0.3,) if few else CLOSURE_SLOPES)]
+        rows += [partial(furnace_row, setup, 1.5, m, "all", inside=True) for m in ((0.3,) if few else SLOPES)]
         if few:  # nodes run as OSL draw the very same facets: one furnace shows it
             continue
         for m in SLOPES:
-            rows += [(furnace_row, (setup, eta, m, "all"), {}) for eta in ETAS]
-            rows += [(furnace_row, (setup, eta, m, "below"), {}) for eta in (1.5, 1.0 / 1.5)]
-            rows.append((furnace_row, (setup, 1.5, m, "below"), {"thin": True}))
-            rows.append((furnace_row, (setup, 2.42, m, "above"), {}))
-            rows.append((sun_row, (setup, 1.5, m), {}))
-        rows += [(sun_row, (setup, 1.5, m), {"inside": True}) for m in INSIDE_SUN_SAMPLES]
-    return check.side_by_side(rows)
+            rows += [partial(furnace_row, setup, eta, m, "all") for eta in ETAS]
+            rows += [partial(furnace_row, setup, eta, m, "below") for eta in (1.5, 1.0 / 1.5)]
+            rows += [partial(furnace_row, setup, 1.5, m, "below", thin=True)]
+            rows += [partial(furnace_row, setup, 2.42, m, "above")]
+            rows += [partial(sun_row, setup, 1.5, m)]
+        rows += [partial(sun_row, setup, 1.5, m, inside=True) for m in INSIDE_SUN_SAMPLES]
+    return side_by_side(rows)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,15 +14,14 @@ from ...addon.reference import OrenNayar, rendered
 from ...addon.reference import oren_nayar_fit as fit
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.quadrature import diffuse_albedo
-from . import rows as check
-from .rows import Row, Setup, View
+from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
+from .views import disc, furnace, measure, mirror_furnace_view, noiseless_row, pooled_view, sun_radiance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
+MODEL = "oren_nayar"
 ALBEDO = (0.2, 0.5, 0.95)
 DIRECT_BAR = 2e-5  # as Cook-Torrance's for broad lobes
 NATIVE_BAR = 5e-6  # about 20 float32 operations on cosines of 2^-24 each; 8e-7 was seen
@@ -57,53 +56,42 @@ def model(of: Preset) -> OrenNayar:
 def exact_row(estimator: str, setup: Setup, kind: str, sigma: float) -> Row:
     """Under a sun of zero size: ``closure`` and ``fit`` against their own formulas, others against the 1994 model."""
     bar = BARS.get(estimator, DIRECT_BAR)
-    return check.exact_row(estimator, setup, kind, sigma, preset(kind, sigma), bar, windows=(0.0,))
+    at = {"sigma": sigma}
+    return noiseless_row(estimator, setup, preset(kind, sigma), bar, variant=kind, at=at, windows=(0.0,))
 
 
 def furnace_row(setup: Setup, kind: str, sigma: float, albedo: Any = ALBEDO) -> Row:
     """``mirror`` under a uniform white world: the directional albedo. E[w^2] is the integral of pi f^2 cos."""
     of = preset(kind, sigma, albedo)
-    geometry = gonio.Geometry(furnace=True, resolution=(32, 32))
-    mean, square = furnace_moments(model(of))
-    variance = np.maximum(square - mean**2, 0.0) / FURNACE_SAMPLES
-    measured = check.measure(of, setup, "mirror", geometry, FURNACE_SAMPLES)
-    return Row(
-        "mirror, furnace",
-        setup,
-        kind,
-        sigma,
-        [View(geometry, measured, mean, variance=variance)],
-        noisy_rows=NOISY_ROWS,
-    )
+    view = mirror_furnace_view(of, setup, furnace_moments(model(of)), FURNACE_SAMPLES)
+    return Row("mirror, furnace", setup, MODEL, kind, {"sigma": sigma}, [view], NOISY_ROWS)
 
 
 @cache
 def furnace_moments(reference: OrenNayar) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """E[w] and E[w^2] of ``mirror``'s weight for each pixel of a furnace, (32, 32, 3)."""
-    column = gonio.Geometry(furnace=True, resolution=(32, 32)).wo()[:, :1]
+    """E[w] and E[w^2] of ``mirror``'s weight for each row of a furnace, (32, 1, 3): the model is isotropic."""
+    column = furnace().wo()[:, :1]
     square = diffuse_albedo(column, lambda wi, wo: np.pi * reference.evaluate(wi, wo) ** 2)
-    mean, square = (np.broadcast_to(part, (32, 32, 3)) for part in (reference.directional_albedo(column), square))
-    return mean, square
+    return reference.directional_albedo(column), square
 
 
 def sun_row(setup: Setup, kind: str, sigma: float) -> Row:
     """``mirror`` under a sun of 60 degrees: the mean of f over its disc, weighted by the cosine."""
     of = preset(kind, sigma)
     reference = model(of)
-    row = Row("mirror, sun", setup, kind, sigma, noisy_rows=NOISY_ROWS)
+    row = Row("mirror, sun", setup, MODEL, kind, {"sigma": sigma}, noisy_rows=NOISY_ROWS)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
         wo = geometry.wo()
         mean, square = np.zeros_like(wo), np.zeros_like(wo)
-        # The disc has the radiance that lights a facing plane with 1/cos(theta_i).
-        radiance = 1.0 / np.cos(np.radians(theta_i)) / (np.pi * np.sin(np.radians(SUN_ANGLE / 2)) ** 2)
-        for wi, weight in zip(*check.disc(geometry), strict=True):
+        radiance = sun_radiance(geometry)
+        for wi, weight in zip(*disc(geometry), strict=True):
             f = reference.evaluate(wi, wo)
             mean += weight * radiance * f * wi[2]
             square += weight * radiance**2 * f**2 * wi[2] * np.pi
-        measured = check.measure(of, setup, "mirror", geometry, SUN_SAMPLES)
+        measured = measure(of, setup, "mirror", geometry, SUN_SAMPLES)
         hits = SUN_SAMPLES * mean[..., 0] / radiance
-        row.views.append(check.pooled_view(geometry, hits, measured, mean, square, SUN_SAMPLES))
+        row.views.append(pooled_view(geometry, hits, measured, mean, square, SUN_SAMPLES))
     return row
 
 
@@ -111,8 +99,8 @@ def hybrid_furnace_row(setup: Setup, kind: str, sigma: float) -> Row:
     """``hybrid`` under a uniform white world: the directional albedo of ``oren_nayar_hybrid``."""
     of = preset(kind, sigma)
     coarse, fine = (hybrid_albedo(model(of), nodes) for nodes in (96, 160))
-    view = furnace_view(of, setup, "hybrid", fine, doubt=fine - coarse)
-    return Row("hybrid, furnace", setup, kind, sigma, [view], noisy_rows=NOISY_ROWS)
+    view = furnace_view(of, setup, "hybrid", fine[:, None], doubt=(fine - coarse)[:, None])
+    return Row("hybrid, furnace", setup, MODEL, kind, {"sigma": sigma}, [view], NOISY_ROWS)
 
 
 @cache
@@ -123,7 +111,7 @@ def hybrid_albedo(reference: OrenNayar, nodes: int) -> NDArray[np.float64]:
 
 def seeded_sun_row(estimator: str, setup: Setup, kind: str, sigma: float) -> Row:
     """``corrected`` and ``hybrid`` under a sun of 60 degrees."""
-    row = Row(f"{estimator}, sun", setup, kind, sigma, noisy_rows=NOISY_ROWS)
+    row = Row(f"{estimator}, sun", setup, MODEL, kind, {"sigma": sigma}, noisy_rows=NOISY_ROWS)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
         row.views.append(
@@ -132,18 +120,18 @@ def seeded_sun_row(estimator: str, setup: Setup, kind: str, sigma: float) -> Row
     return row
 
 
-def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
-    """Every row, as the function that measures it and its arguments."""
-    rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
-    for setup in check.SETUPS:
-        few = setup is check.SETUPS[1]  # the same nodes as in SVM, and slow to compile
+def plan() -> Plan:
+    """Every row."""
+    rows: Plan = []
+    for setup in SETUPS:
+        few = setup is SETUPS[1]  # the same nodes as in SVM, and slow to compile
         for kind in fit.KINDS:
             for estimator in ("direct", "closure", "fit", "corrected", "hybrid"):
-                rows += [(exact_row, (estimator, setup, kind, sigma)) for sigma in ((0.3,) if few else SIGMAS)]
-            rows += [(furnace_row, (setup, kind, sigma)) for sigma in ((0.3,) if few else MIRROR_SIGMAS)]
-            rows += [(hybrid_furnace_row, (setup, kind, sigma)) for sigma in ((1.0,) if few else (0.3, 1.0))]
-        if setup is not check.SETUPS[1]:  # nodes run as OSL draw the very same directions: the furnace shows it
-            rows += [(sun_row, (setup, "full", sigma)) for sigma in SUN_SIGMAS]
-            rows.append((sun_row, (setup, "qualitative", MIRROR_SIGMAS[-1])))
-            rows += [(seeded_sun_row, (estimator, setup, "full", 1.0)) for estimator in ("corrected", "hybrid")]
-    return check.side_by_side(rows)
+                rows += [partial(exact_row, estimator, setup, kind, sigma) for sigma in ((0.3,) if few else SIGMAS)]
+            rows += [partial(furnace_row, setup, kind, sigma) for sigma in ((0.3,) if few else MIRROR_SIGMAS)]
+            rows += [partial(hybrid_furnace_row, setup, kind, sigma) for sigma in ((1.0,) if few else (0.3, 1.0))]
+        if not few:  # nodes run as OSL draw the very same directions: the furnace shows it
+            rows += [partial(sun_row, setup, "full", sigma) for sigma in SUN_SIGMAS]
+            rows.append(partial(sun_row, setup, "qualitative", MIRROR_SIGMAS[-1]))
+            rows += [partial(seeded_sun_row, estimator, setup, "full", 1.0) for estimator in ("corrected", "hybrid")]
+    return side_by_side(rows)

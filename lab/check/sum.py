@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from functools import cache, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,17 +14,17 @@ from ...addon.reference import CookTorrance, OrenNayar, Sum, albedo, rendered
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.quadrature import diffuse_albedo
 from ...addon.reference.sum import quick_diffuse_share
-from . import rows as check
+from . import cook_torrance
 from .hybrid import excess
 from .oren_nayar import SUN_ANGLE, SUN_THETAS
-from .rows import SETUPS, Row, Setup
+from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
+from .views import closure_bar, direct_bar, noiseless_row
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
+MODEL = "sum"
 ESTIMATORS = ("direct", "closure", "fit", "corrected", "hybrid")
 KINDS = ("sum", "coupled")
 SLOPES = (0.3, 0.6)
@@ -54,12 +54,13 @@ data = "check"
 
 def exact_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     """Under a sun of zero size, with the bar of the specular part."""
-    bar = check.direct_bar(m) if estimator == "direct" else check.closure_bar(m)
+    bar = direct_bar(m) if estimator == "direct" else closure_bar(m)
     lobe = None
-    approximate = check.fresnel_approximation(setup, "dielectric") if estimator != "direct" else 0.0
+    approximate = cook_torrance.fresnel_approximation(setup, "dielectric") if estimator != "direct" else 0.0
     if approximate:
-        lobe, bar = check.materials()["white"].with_parameters(m=m).reference(), approximate
-    return check.exact_row(estimator, setup, kind, m, preset(kind, m), bar, windows=(0.0,), lobe=lobe)
+        lobe, bar = cook_torrance.materials()["white"].with_parameters(m=m).reference(), approximate
+    of, at = preset(kind, m), {"m": m}
+    return noiseless_row(estimator, setup, of, bar, variant=kind, at=at, windows=(0.0,), lobe=lobe)
 
 
 def furnace_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
@@ -67,8 +68,8 @@ def furnace_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     of = preset(kind, m, GREY)
     coarse, fine = (_sent_back(kind, m, estimator, nodes) for nodes in (72, 100))
     # Two grids apart by as much say how well the reference is known.
-    view = furnace_view(of, setup, estimator, fine, doubt=fine - coarse)
-    return Row(f"{estimator}, furnace", setup, kind, m, [view], noisy_rows=NOISY_ROWS)
+    view = furnace_view(of, setup, estimator, fine[:, None], doubt=(fine - coarse)[:, None])
+    return Row(f"{estimator}, furnace", setup, MODEL, kind, {"m": m}, [view], NOISY_ROWS)
 
 
 @cache
@@ -88,7 +89,7 @@ def _sent_back(kind: str, m: float, estimator: str, nodes: int) -> NDArray[np.fl
 
 def sun_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     """Noisy estimators under a sun of 60 degrees."""
-    row = Row(f"{estimator}, sun", setup, kind, m, noisy_rows=NOISY_ROWS)
+    row = Row(f"{estimator}, sun", setup, MODEL, kind, {"m": m}, noisy_rows=NOISY_ROWS)
     for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, resolution=(16, 16), sun_angle=SUN_ANGLE)
         row.views.append(
@@ -97,18 +98,18 @@ def sun_row(estimator: str, setup: Setup, kind: str, m: float) -> Row:
     return row
 
 
-def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
-    """Every row, as the function that measures it and its arguments."""
-    rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
+def plan() -> Plan:
+    """Every row."""
+    rows: Plan = []
     for setup in SETUPS:
         few = setup is SETUPS[1]  # the same nodes as in SVM, and slow to compile
         for kind in KINDS:
             slopes = (0.3,) if few else SLOPES
-            rows += [(exact_row, (estimator, setup, kind, m)) for estimator in ESTIMATORS for m in slopes]
+            rows += [partial(exact_row, estimator, setup, kind, m) for estimator in ESTIMATORS for m in slopes]
         if few:
             continue
         for estimator in ("mirror", "hybrid"):
-            rows += [(furnace_row, (estimator, setup, kind, 0.3)) for kind in KINDS]
+            rows += [partial(furnace_row, estimator, setup, kind, 0.3) for kind in KINDS]
         for estimator in ("mirror", "hybrid", "corrected"):
-            rows.append((sun_row, (estimator, setup, "coupled", 0.3)))
-    return check.side_by_side(rows)
+            rows.append(partial(sun_row, estimator, setup, "coupled", 0.3))
+    return side_by_side(rows)

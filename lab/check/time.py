@@ -8,8 +8,8 @@ The reference plays the same keys as Blender, between them straight; how near th
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from functools import cache, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,24 +22,23 @@ from ...addon.reference import OrenNayar, Sum, albedo, rendered
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.quadrature import diffuse_albedo
 from ...addon.reference.sum import quick_diffuse_share
-from . import rows as check
+from .cook_torrance import fresnel_approximation
 from .hybrid import excess
-from .rows import SETUPS, Row, Setup, View
+from .rows import SETUPS, Plan, Row, Setup, View, side_by_side
+from .views import WINDOW, direct_bar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from ...addon.reference import Keyframes, Model
 
-MOMENTS, FURNACE_MOMENTS = 20, 8  # of a course; what hybrid sends back takes a reference a second or more a moment
+MOMENTS, FURNACE_MOMENTS = 20, 8  # of a course; the reference of hybrid's furnace takes a second or more per moment
 # theta_i and window, in turn: each takes all parameters of its moments, and building a course takes longer than a view
-WAYS = ((20.0, 0.0), (45.0, check.WINDOW), (70.0, 0.0), (85.0, check.WINDOW))
+WAYS = ((20.0, 0.0), (45.0, WINDOW), (70.0, 0.0), (85.0, WINDOW))
 FRAMES, MOST_FRAMES = 240.0, 1e6  # a course is played in at least so many; Blender ends at 1048574
 APART = 0.01  # frames between keys, at least: ten times CLOSEST
 FURNACE, FURNACE_SAMPLES = gonio.Geometry(furnace=True, resolution=(64, 8)), 128
-TOGETHER = 8  # pixels of a row of the furnace; samples by a power of two, over which alone Cycles' sequence is balanced
+AVERAGED = 8  # pixels of a row of the furnace; Cycles' sampler is stratified only over powers of two
 GRIDS = (20, 30)  # nodes of two quadratures; they part by as much as the finer is known
 NOISY_ROWS = 4  # of the plan; a test holds it to the plan
 
@@ -76,7 +75,7 @@ def direct_row(setup: Setup, driving: str, name: str) -> Row:
     preset = find(name)
     play = play_of(preset, driving)
     frames = moments(preset, play)
-    row = Row(f"direct by {driving}", setup, preset.name, preset.m)
+    row = Row(f"direct by {driving}", setup, preset.model, preset.name)
     for index, (theta_i, window) in enumerate(WAYS):
         geometry = gonio.Geometry(theta_i, window, (32, 32))
         wi, wo = geometry.wi(), geometry.wo()
@@ -88,7 +87,7 @@ def direct_row(setup: Setup, driving: str, name: str) -> Row:
         for frame, image in zip(now, images.astype(np.float64), strict=True):
             shown = at_frame(preset, play, frame)
             expected = rendered(shown.reference(), "direct")(wi, wo)
-            bar = check.direct_bar(shown.m or 1.0)  # a diffuse material has no slope
+            bar = direct_bar(shown.m or 1.0)  # a diffuse material has no slope
             row.views.append(View(geometry, image, expected, bar, float(np.max(expected))))
     return row
 
@@ -115,10 +114,10 @@ def hybrid_row(setup: Setup, driving: str, name: str) -> Row:
     alike = np.mean(own / np.square(expected), axis=0) * np.square(expected)
     # Means of some pixels are judged, as the weight of a random facet is skewed. A wrong reference is the same in all
     # groups of a row, whose sum it moves as often.
-    variance = np.maximum(own, alike) / TOGETHER + width / TOGETHER * np.square(doubt)
-    row = Row(f"hybrid by {driving}", setup, preset.name, preset.m, noisy_rows=NOISY_ROWS)
+    variance = np.maximum(own, alike) / AVERAGED + width / AVERAGED * np.square(doubt)
+    row = Row(f"hybrid by {driving}", setup, preset.model, preset.name, noisy_rows=NOISY_ROWS)
     for image, mean, spread in zip(images, expected, variance, strict=True):
-        means = image.reshape(height, width // TOGETHER, TOGETHER, 3).mean(axis=2)
+        means = image.reshape(height, width // AVERAGED, AVERAGED, 3).mean(axis=2)
         full = np.ones_like(means)
         row.views.append(View(FURNACE, means, mean[:, None] * full, variance=spread[:, None] * full, degrees=width - 1))
     return row
@@ -126,7 +125,7 @@ def hybrid_row(setup: Setup, driving: str, name: str) -> Row:
 
 def native_doubt(setup: Setup, preset: Preset) -> NDArray[np.float64] | float:
     """How far Cycles' own Fresnel terms may be off on this Blender, as a share of the light."""
-    off = check.fresnel_approximation(setup, preset.kind)
+    off = fresnel_approximation(setup, preset.kind)
     return off * float(preset.parameters.get("s", 1.0)) if off else 0.0  # type: ignore[arg-type]
 
 
@@ -155,10 +154,10 @@ def hybrid_albedo(model: Model, wo: NDArray[np.float64], nodes: int) -> NDArray[
     return albedo(model, wo) + np.stack([excess(view, m, fresnel, DEFAULT_BOUND, 2 * nodes) for view in wo])
 
 
-def plan() -> list[tuple[Callable[..., Row], tuple[Any, ...]]]:
-    """Every row, as the function that measures it and its arguments, of one course; the tests have all presets."""
-    rows: list[tuple[Callable[..., Row], tuple[Any, ...]]] = []
+def plan() -> Plan:
+    """Every row of one course; the tests have those of all presets."""
+    rows: Plan = []
     for setup in (SETUPS[0], SETUPS[2]):
         for driving in course.DRIVINGS:
-            rows += [(row, (setup, driving, "time_varying/rusting_iron")) for row in (direct_row, hybrid_row)]
-    return check.side_by_side(rows)
+            rows += [partial(row, setup, driving, "time_varying/rusting_iron") for row in (direct_row, hybrid_row)]
+    return side_by_side(rows)

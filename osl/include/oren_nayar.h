@@ -37,6 +37,7 @@ vector cosine_direction(normal n, vector seed)
 {
     vector T = normalize(cross(n, n[2] * n[2] < 0.8 ? vector(0, 0, 1) : vector(1, 0, 0)));
     vector B = cross(n, T);
-    float disc = random_number(4, seed), phi = M_2PI * random_number(5, seed);  // 1 to 3 are Cook-Torrance's
+    float disc = random_number(STREAM_DIRECTION_RADIUS, seed);
+    float phi = M_2PI * random_number(STREAM_DIRECTION_AZIMUTH, seed);
     return sqrt(disc) * (cos(phi) * T + sin(phi) * B) + sqrt(1 - disc) * n;
 }

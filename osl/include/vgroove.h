@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // D, G and F as in addon/reference; shared by the shaders, and written into their text when a material is made.
+#include "random_numbers.h"
 #include "versions.h"
 
 // Walter et al. 2007, eq. 25
@@ -152,7 +153,7 @@ void tangents(vector n, output vector T, output vector B)
 }
 
 // Random numbers from the scene's seed, position, place on the triangle and direction, of which every sample and bounce
-// moves some; one hash stream a number
+// moves some. Each number has a stream, listed in nodegroups/random_numbers.py
 float random_number(float stream, vector seed)
 {
     float w = noise("hash", I, noise("hash", seed, stream));
@@ -165,10 +166,10 @@ vector visible_facet(normal n0, vector wo, float m, vector seed)
 {
     vector T, B;
     tangents(n0, T, B);
-    float slope = m * sqrt(-log(max(1 - random_number(1, seed), 1e-7)));  // the hash may round to 1
-    float phi = M_2PI * random_number(2, seed);
+    float slope = m * sqrt(-log(max(1 - random_number(STREAM_FACET_SLOPE, seed), 1e-7)));  // the hash may round to 1
+    float phi = M_2PI * random_number(STREAM_FACET_AZIMUTH, seed);
     vector lean = slope * (cos(phi) * T + sin(phi) * B);
     vector h = normalize(n0 + lean), dual = normalize(n0 - lean);
     float seen = max(0, dot(wo, h)), dual_seen = max(0, dot(wo, dual));
-    return random_number(3, seed) * (seen + dual_seen) >= seen ? dual : h;
+    return random_number(STREAM_FACET_DUAL, seed) * (seen + dual_seen) >= seen ? dual : h;
 }

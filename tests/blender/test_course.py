@@ -13,8 +13,19 @@ from vgroove.addon.blender.material import Choice, MaterialError, build, lamps_t
 from vgroove.addon.library.presets import find, parse, shipped
 from vgroove.addon.reference import local_age, place_keys, rendered
 from vgroove.headless import sequence
-from vgroove.lab.check import rows as check
-from vgroove.lab.check import time as check_time
+from vgroove.lab.check.cook_torrance import fresnel_approximation
+from vgroove.lab.check.rows import SETUPS, surely_seen
+from vgroove.lab.check.time import (
+    FURNACE_MOMENTS,
+    MOMENTS,
+    NOISY_ROWS,
+    at_frame,
+    direct_row,
+    hybrid_row,
+    moments,
+    play_of,
+)
+from vgroove.lab.check.views import direct_bar
 from vgroove.nodegroups import osl_script, ramp, trajectory
 
 pytestmark = pytest.mark.blender
@@ -23,7 +34,7 @@ CHANGING = sorted(preset.id for preset in shipped().values() if preset.time)
 SHORT = "time_varying/rusting_iron", "time_varying/curing_lacquer", "time_varying/heat_tinted_steel"
 # With these every model and every law that changes a parameter of it; `vgroove check` has all courses.
 MORE = "time_varying/yellowing_paper", "time_varying/copper_patina", "time_varying/drying_wood"
-SETUPS = (check.SETUPS[0], check.SETUPS[2])
+SVM_AND_OSL = (SETUPS[0], SETUPS[2])
 EPS = 2.0**-24
 # Flash of two colours and a slope with a kink: rates apart by 1e5
 STIFF = """name = "Stiff"
@@ -95,13 +106,13 @@ def shown(one, frame):
 # Cycles against the reference, at twenty moments of every preset
 
 
-@pytest.mark.parametrize("setup", SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SVM_AND_OSL, ids=str)
 @pytest.mark.parametrize("driving", course.DRIVINGS)
 @pytest.mark.parametrize("name", CHANGING)
 def test_direct_renders_every_moment_as_the_reference_has_it(instrument, name, driving, setup):
     """Within the bars of the slope at that moment; red against a reference 1 % brighter."""
-    row = check_time.direct_row(setup, driving, name)
-    assert len(row.views) == check_time.MOMENTS
+    row = direct_row(setup, driving, name)
+    assert len(row.views) == MOMENTS
     assert row.passed, row.as_json()
     assert not row.scaled(1.01).passed
     assert not row.scaled(1 / 1.01).passed
@@ -113,17 +124,17 @@ def test_hybrid_sends_back_at_every_moment_what_the_reference_says(instrument, n
 
     F-curves on an OSL material's inputs are those of nodes: they are looked at on a few.
     """
-    for setup in SETUPS:
+    for setup in SVM_AND_OSL:
         for driving in course.DRIVINGS if name in SHORT or setup.backend == "nodes" else ("age",):
-            row = check_time.hybrid_row(setup, driving, name)
-            assert len(row.views) == check_time.FURNACE_MOMENTS
+            row = hybrid_row(setup, driving, name)
+            assert len(row.views) == FURNACE_MOMENTS
             assert row.passed, (str(setup), driving, row.as_json())
-            if not check.fresnel_approximation(setup, find(name).kind):  # on 4.5 native Fresnel terms are approximate
-                assert row.resolves <= check.surely_seen(0.01, check_time.NOISY_ROWS)
+            if not fresnel_approximation(setup, find(name).kind):  # on 4.5 native Fresnel terms are approximate
+                assert row.resolves <= surely_seen(0.01, NOISY_ROWS)
                 assert not row.scaled(1.01).passed
 
 
-@pytest.mark.parametrize("setup", SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SVM_AND_OSL, ids=str)
 @pytest.mark.parametrize("name", SHORT)
 def test_the_instrument_sees_a_course_that_is_off_by_one_percent_of_its_length(instrument, monkeypatch, name, setup):
     """Keys 1 % of the course too late turn the row red, in both ways of driving."""
@@ -134,8 +145,8 @@ def test_the_instrument_sees_a_course_that_is_off_by_one_percent_of_its_length(i
         return {name: course.Keyframes(0.99 * keys.times + 0.01, keys.values) for name, keys in found.items()}
 
     for driving in course.DRIVINGS:
-        play = check_time.play_of(find(name), driving)
-        frames = check_time.moments(find(name), play)[::3]
+        play = play_of(find(name), driving)
+        frames = moments(find(name), play)[::3]
         geometry = gonio.Geometry(45.0, 0.0, (32, 32))
         with monkeypatch.context() as patch, headless.quiet():
             patch.setattr(course, "keyframes", late)
@@ -144,19 +155,19 @@ def test_the_instrument_sees_a_course_that_is_off_by_one_percent_of_its_length(i
             )
         worst = 0.0
         for image, frame in zip(images, frames, strict=True):
-            of = check_time.at_frame(find(name), play, frame).reference()
+            of = at_frame(find(name), play, frame).reference()
             expected = rendered(of, "direct")(geometry.wi(), geometry.wo())
             worst = max(worst, np.abs(image - expected).max() / expected.max())
-        assert worst > 10.0 * check.direct_bar(0.02)
+        assert worst > 10.0 * direct_bar(0.02)
 
 
-@pytest.mark.parametrize("setup", SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SVM_AND_OSL, ids=str)
 @pytest.mark.parametrize("name", [*SHORT, "time_varying/copper_patina"])
 def test_both_ways_of_driving_give_one_picture(instrument, name, setup):
     """To float32 rounding of the parameters, at the same frames."""
     preset = find(name)
-    play = check_time.play_of(preset, "curves")
-    frames = check_time.moments(preset, play)[::3]
+    play = play_of(preset, "curves")
+    frames = moments(preset, play)[::3]
     geometry = gonio.Geometry(45.0, 0.0, (32, 32))
     with headless.quiet():
         images = [
@@ -165,7 +176,7 @@ def test_both_ways_of_driving_give_one_picture(instrument, name, setup):
                 setup.backend,
                 "direct",
                 geometry,
-                check_time.play_of(preset, driving),
+                play_of(preset, driving),
                 frames,
                 shading_osl=setup.shading_osl,
             )
@@ -291,7 +302,7 @@ def test_cycles_reads_materials_once_a_frame(blender):
     (curve, *_) = material.curves(one)
     with headless.quiet(), gonio.stage((4, 4), samples=16, seed=0, shading_osl=False) as stage:
         gonio.light(stage, gonio.Geometry(furnace=True))
-        gonio._patch(stage, one)
+        gonio._patch(stage, one, gonio.Geometry())
         camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
         camera.location.z = 2.0
         stage.collection.objects.link(camera)
@@ -531,7 +542,7 @@ def test_a_saved_file_plays_as_before(blender, tmp_path):
 # Textured clocks
 
 
-@pytest.mark.parametrize("setup", SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SVM_AND_OSL, ids=str)
 @pytest.mark.parametrize("name", [SHORT[0], SHORT[2]])
 def test_a_plane_with_a_textured_clock_matches_the_reference_per_pixel(blender, name, setup):
     """Rate and Offset from an image: every pixel is the material at its own age."""
@@ -569,9 +580,9 @@ def test_a_plane_with_a_textured_clock_matches_the_reference_per_pixel(blender, 
         expected[index] = preset.with_parameters(**plain).reference().evaluate(wi, wo)
     assert np.unique(ages.round(6)).size > 100
     # An age rounds by a few 2^-24, of which a segment of 1/100 of the course makes 1e-5 of the step between two keys.
-    assert np.abs(image - expected).max() <= check.direct_bar(0.1) * expected.max()
+    assert np.abs(image - expected).max() <= direct_bar(0.1) * expected.max()
     shifted = np.roll(expected, 1, axis=0)
-    assert np.abs(image - shifted).max() > 100.0 * check.direct_bar(0.1) * expected.max()
+    assert np.abs(image - shifted).max() > 100.0 * direct_bar(0.1) * expected.max()
 
 
 def _texture(blender, one, rate, offset):

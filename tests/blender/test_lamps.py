@@ -12,7 +12,9 @@ from vgroove import headless, nodegroups
 from vgroove.addon.blender import follow, gonio, lamps, material, roles
 from vgroove.addon.blender.material import lamps_to_bind
 from vgroove.addon.choose import advice
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.cook_torrance import SUN_THETAS, materials
+from vgroove.lab.check.rows import SETUPS, Row, View, limit
+from vgroove.lab.check.views import disc, measure
 from vgroove.nodegroups import lamp as lamp_group
 from vgroove.nodegroups import osl_script, random_numbers, versions
 
@@ -155,7 +157,7 @@ def floor_images(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SETUPS, ids=str)
 def test_a_lamp_group_sends_what_cycles_own_lamp_sends(blender, empty_material, kind, setup):
     """Colour, temperature, exposure, strength, distance and cone agree with a white diffuse floor times pi."""
     cycles = pi * floor_image(blender, lambda _: white_diffuse(empty_material), kind, shading_osl=setup.shading_osl)
@@ -171,7 +173,7 @@ def test_a_lamp_group_sends_what_cycles_own_lamp_sends(blender, empty_material, 
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SETUPS, ids=str)
 def test_a_lamp_group_casts_the_shadow_of_cycles_own_lamp(blender, empty_material, kind, setup):
     """Behind an occluder both are dark in the same pixels; on 4.5 nodes cast none, and the panel says so."""
     traced = setup.backend == "osl" or lamp_group.can_cast_shadows()
@@ -260,7 +262,7 @@ SIZED = {
         shape="RECTANGLE", size_y=0.3,
     ),
 }  # fmt: skip
-BACKENDS = (check.SETUPS[0], check.SETUPS[2])
+BACKENDS = (SETUPS[0], SETUPS[2])
 SEEDS = 4
 
 
@@ -278,7 +280,7 @@ def judged(ours, cycles, tests):
     """(passed, resolved): every block and the common scale within the limits of ``tests`` tests; smallest scale error.
 
     A block's variance comes from 64 pixels of 4 seeds each, so its 192 degrees of freedom make a t nearly normal.
-    Where Cycles' own sampling leaves no spread, float32 does: 2^-15.5 of the mean, as in ``check.View.z``.
+    Where Cycles' own sampling leaves no spread, float32 does: 2^-15.5 of the mean, as in ``View.z``.
     """
     (mean, spread), (expected, of_expected) = ours, cycles
     floor = np.square(2.0**-15.5 * np.maximum(mean, expected).max())
@@ -287,8 +289,8 @@ def judged(ours, cycles, tests):
     information = np.sum(expected**2 / variance)
     scale_z = np.sum((mean - expected) * expected / variance) / np.sqrt(information)
     # Few hits at a cone's edge skew a block: its limit is that of four times as many tests.
-    passed = abs(scale_z) <= check.limit(tests) and np.all(np.abs(z) <= check.limit(4 * tests * z.size))
-    return passed, check.limit(tests) / np.sqrt(information)
+    passed = abs(scale_z) <= limit(tests) and np.all(np.abs(z) <= limit(4 * tests * z.size))
+    return passed, limit(tests) / np.sqrt(information)
 
 
 @pytest.fixture
@@ -398,16 +400,16 @@ def test_a_disc_of_sun_and_a_ball_give_what_a_point_gives(blender, empty_materia
     assert resolves < 0.005
 
 
-@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SETUPS, ids=str)
 def test_direct_under_a_disc_of_sun_is_the_mean_of_the_formula(setup):
     """Cook-Torrance under a sun of 10 degrees against NumPy's integral of f cos over the disc."""
-    preset = check.materials()["schlick"].with_parameters(m=0.3)
+    preset = materials()["schlick"].with_parameters(m=0.3)
     model, samples, angle = preset.reference(), 256, 10.0
-    row = check.Row("direct, sun", setup, "schlick", 0.3)
-    for theta_i in check.SUN_THETAS:
+    row = Row("direct, sun", setup)
+    for theta_i in SUN_THETAS:
         geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=angle)
         wo = geometry.wo()
-        directions, weights = check.disc(geometry)
+        directions, weights = disc(geometry)
         # A direction's irradiance: the sun's strength 1/cos(theta_i), by 2 / (1 + cos a) of nodegroups/lamp.py.
         beam = 2.0 / (1.0 + np.cos(np.radians(angle / 2))) / np.cos(np.radians(theta_i))
         mean, square = np.zeros_like(wo), np.zeros_like(wo)
@@ -415,8 +417,8 @@ def test_direct_under_a_disc_of_sun_is_the_mean_of_the_formula(setup):
             radiance = model.evaluate(wi, wo) * max(wi[2], 0.0) * beam
             mean += weight * radiance
             square += weight * radiance**2
-        measured = check.measure(preset, setup, "direct", geometry, samples=samples)
-        row.views.append(check.View(geometry, measured, mean, variance=np.maximum(square - mean**2, 0.0) / samples))
+        measured = measure(preset, setup, "direct", geometry, samples=samples)
+        row.views.append(View(geometry, measured, mean, variance=np.maximum(square - mean**2, 0.0) / samples))
     assert row.passed
     assert row.resolves < 0.005
     assert not row.scaled(0.99).passed
@@ -430,7 +432,7 @@ def test_a_lamp_of_no_size_draws_nothing_at_random(blender):
         item = make_lamp(blender, kind)
         stage.collection.objects.link(item)
         made = material.build(
-            check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
+            materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
         )
         node = next(node for node in made.node_tree.nodes if node.label.startswith("Light 1"))
         assert not {"Stream", "Radius", "Angle", "Soft Falloff"} & set(node.inputs.keys())
@@ -438,7 +440,7 @@ def test_a_lamp_of_no_size_draws_nothing_at_random(blender):
         assert not any(inner.label.startswith("VGroove Random") for inner in light.node_tree.nodes)
         setattr(item.data, "angle" if kind == "SUN" else "shadow_soft_size", 0.2)
         sized = material.build(
-            check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
+            materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
         )
         assert sized is not made
         node = next(node for node in sized.node_tree.nodes if node.label.startswith("Light 1"))
@@ -458,7 +460,7 @@ def test_each_lamp_draws_its_own_numbers(blender, setup):
     assert variances[1] == pytest.approx(2 * variances[0], rel=0.15)
 
 
-@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SETUPS, ids=str)
 def test_eight_lamps_with_a_size_fit_into_one_material(blender, setup):
     """The largest material that can be built renders, and gives what its lamps give one by one."""
     kinds = ["AREA", "SPOT", "POINT", "SUN"] * 2
@@ -510,7 +512,7 @@ def ball_under(bpy, kinds, setup, chosen=None, *, estimator="direct", m=0.5, sam
         for index, item in enumerate(items):
             item.hide_render = chosen is not None and index not in chosen
         bound = lamps_to_bind(stage, estimator)
-        preset = check.materials()["schlick"].with_parameters(m=m)
+        preset = materials()["schlick"].with_parameters(m=m)
         choice = material.Choice(setup.backend, estimator, bound)
         gonio._sphere(stage, material.build(preset, choice))
         camera = bpy.data.cameras.new("Camera")
@@ -528,9 +530,7 @@ def bound(blender):
     stage = blender.context.scene
     sun = make_lamp(blender, "SUN", 'The "sun"')
     stage.collection.objects.link(sun)
-    made = material.build(
-        check.materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))
-    )
+    made = material.build(materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct")))
     add_mesh(blender, stage, "Ball", 1.0, 0.0, made)
     return blender, stage, sun, made, partial(told, blender)
 
@@ -790,7 +790,7 @@ def test_the_strongest_lamp_is_the_one_that_gives_most_to_the_middle_of_the_obje
     assert names == ["glare", "near point", "sun", "area", "far point"]
 
 
-@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SETUPS, ids=str)
 def test_four_lamps_add_up(blender, setup):
     """The radiance of a ball under four lamps is the sum under each alone."""
     images = []
@@ -805,7 +805,7 @@ def test_four_lamps_add_up(blender, setup):
                 items.append(item)
             for index, item in enumerate(items):
                 item.hide_render = index not in chosen
-            preset = check.materials()["conductor"]
+            preset = materials()["conductor"]
             bound = lamps_to_bind(stage, "direct")
             made = material.build(preset, material.Choice(setup.backend, "direct", bound, shadows=False))
             gonio._sphere(stage, made)

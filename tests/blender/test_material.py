@@ -13,7 +13,7 @@ from vgroove.addon.blender import gonio, material, slots
 from vgroove.addon.blender.material import Choice, MaterialError, build, lamps_to_bind
 from vgroove.addon.choose import automatic
 from vgroove.addon.library import presets
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.cook_torrance import materials
 
 pytestmark = pytest.mark.blender
 
@@ -35,7 +35,7 @@ def kinds_inside(tree):
 @pytest.mark.parametrize("fresnel", FRESNELS)
 def test_a_material_is_one_group_and_an_output(blender, choice, fresnel):
     """The artist sees a group and what it is linked to; its inputs are the preset's numbers."""
-    preset = check.materials()[fresnel]
+    preset = materials()[fresnel]
     made = build(preset, choice)
     outputs = 1 if choice.estimator == "closure" else 2  # of which one is EEVEE's
     kinds = ["ShaderNodeGroup", *["ShaderNodeOutputMaterial"] * outputs]
@@ -53,7 +53,7 @@ def test_a_material_is_one_group_and_an_output(blender, choice, fresnel):
 
 def test_what_an_estimator_does_not_need_is_left_out(blender):
     """No noise without mirror, no emission without direct, no script without OSL, no drivers without lamps."""
-    preset = check.materials()["schlick"]
+    preset = materials()["schlick"]
     for choice in CHOICES:
         made = build(preset, choice)
         inside = kinds_inside(made.node_tree)
@@ -68,7 +68,7 @@ def test_what_an_estimator_does_not_need_is_left_out(blender):
 
 def test_building_twice_gives_one_material(blender):
     """The same preset by the same choice is the same material, and its groups are shared."""
-    preset = check.materials()["conductor"]
+    preset = materials()["conductor"]
     for choice in CHOICES:
         first = build(preset, choice)
         count = len(blender.data.materials), len(blender.data.node_groups), len(blender.data.texts)
@@ -78,7 +78,7 @@ def test_building_twice_gives_one_material(blender):
 
 def test_an_edited_material_is_left_alone(blender):
     """What an artist changed is not overwritten: a fresh material is made beside it."""
-    preset = check.materials()["schlick"]
+    preset = materials()["schlick"]
     first = build(preset, Choice())
     node = next(node for node in first.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
     node.inputs["Slope m"].default_value = 0.77
@@ -97,7 +97,7 @@ def test_applying_fills_the_active_slot_of_what_can_have_a_material(blender):
     empty = blender.data.objects.new("Empty", None)
     for item in (mesh, slotted, lamp, empty):
         stage.collection.objects.link(item)
-    made = build(check.materials()["schlick"], Choice())
+    made = build(materials()["schlick"], Choice())
     assert slots.apply(made, [mesh, slotted, lamp, empty]) == 2
     assert mesh.active_material is made
     assert slotted.active_material is made
@@ -133,7 +133,7 @@ def test_a_saved_file_renders_the_same_without_the_extension(blender, tmp_path, 
         lamp.data.angle = 0.3 if estimator == "mirror" else 0.0
         lamps = lamps_to_bind(stage, estimator) if estimator == "direct" else ()
         # Shadows stay on: tracing is part of what has to survive.
-        made = build(check.materials()["conductor"], Choice(backend, estimator, lamps))
+        made = build(materials()["conductor"], Choice(backend, estimator, lamps))
         gonio._sphere(stage, made)
         camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
         camera.location = (0, 0, 5)
@@ -153,7 +153,7 @@ def test_a_saved_file_renders_the_same_without_the_extension(blender, tmp_path, 
 
 def test_mirror_with_a_lamp_of_zero_size_sees_it_by_the_formula(blender):
     """Under a sun of zero size alone, mirror with the sun bound is exactly direct."""
-    preset = check.materials()["schlick"]
+    preset = materials()["schlick"]
     images = []
     for estimator in ("direct", "mirror"):
         with headless.quiet(), gonio.stage((32, 32), samples=1, seed=0, shading_osl=False) as stage:
@@ -212,7 +212,7 @@ def test_every_model_renders_finite_light_by_what_auto_picks(blender, preset):
         stage.view_layers[0].update()
         estimator = automatic.pick_estimator(stage, preset)
         bound = lamps_to_bind(stage, estimator, preset.model)
-        gonio._patch(stage, build(preset, Choice("nodes", estimator, bound)))
+        gonio._patch(stage, build(preset, Choice("nodes", estimator, bound)), gonio.Geometry())
         camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
         camera.location = (0, 0, 3)
         stage.collection.objects.link(camera)
@@ -226,7 +226,7 @@ def test_every_model_renders_finite_light_by_what_auto_picks(blender, preset):
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda c: f"{c.backend}-{c.estimator}")
 def test_eevee_shows_the_closure_of_the_same_inputs(blender, choice):
     """A slope that an artist turns reaches both; Cycles gets the estimator alone."""
-    made = build(check.materials()["schlick"], choice)
+    made = build(materials()["schlick"], choice)
     outputs = {node.target: node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial"}
     if choice.estimator == "closure":
         assert set(outputs) == {"ALL"}

@@ -12,7 +12,8 @@ from vgroove.lab.bench import contenders
 from vgroove.lab.bench import stability_pictures as pictures
 from vgroove.lab.bench.scenes import stage
 from vgroove.lab.bench.stability_pictures import Shot
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.cook_torrance import materials
+from vgroove.lab.check.rows import SETUPS, limit
 from vgroove.nodegroups import random_numbers
 from vgroove.nodegroups._tree import Value
 
@@ -23,7 +24,7 @@ MANY = (Shot(), Shot(where=1e4, opened=True), Shot("PERSP", 1e5), Shot(where=10.
 
 
 def foreseen(shot):
-    with pictures._shown(shot, check.SETUPS[0], pictures._numbers_material) as shown:
+    with pictures._shown(shot, SETUPS[0], pictures._numbers_material) as shown:
         return rays.different_rays(shown)
 
 
@@ -76,24 +77,24 @@ def test_what_moves_far_from_the_origin_has_random_numbers_by_its_triangles(blen
     assert now > 2 * pictures.numbers(shot)
 
 
-@pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[2]], ids=str)
+@pytest.mark.parametrize("setup", [SETUPS[0], SETUPS[2]], ids=str)
 def test_an_aperture_takes_away_what_noise_the_origin_adds(instrument, setup):
     """Of 1024 pixels the spread is known to 1/sqrt(2048); without the aperture it is far from what samples explain."""
-    limit = check.limit(2) / 2048**0.5
-    assert abs(pictures.photo(Shot(where=1e4, opened=True), setup).noise - 1.0) <= limit
+    expected = limit(2) / 2048**0.5
+    assert abs(pictures.photo(Shot(where=1e4, opened=True), setup).noise - 1.0) <= expected
     far = pictures.photo(Shot(where=1e4), setup)
-    assert far.noise > 1.0 + 2 * limit
+    assert far.noise > 1.0 + 2 * expected
     assert far.warned
 
 
 def test_seeds_and_frames_of_a_far_picture_have_noise_of_their_own(instrument):
     """With the aperture; a pattern would be the same: 1024 pixels correlate by 1/32 at random."""
     images = []
-    with pictures._shown(Shot(where=1e4, opened=True), check.SETUPS[0], white) as shown, headless.quiet():
+    with pictures._shown(Shot(where=1e4, opened=True), SETUPS[0], white) as shown, headless.quiet():
         for seed in (0, 1):
             shown.cycles.seed = seed
             images.append(gonio.rendered(shown)[..., 0].ravel())
-    assert abs(np.corrcoef(*images)[0, 1]) < check.limit(1) / 32
+    assert abs(np.corrcoef(*images)[0, 1]) < limit(1) / 32
 
 
 @pytest.mark.parametrize("backend", ["nodes", "osl"])
@@ -125,7 +126,7 @@ def test_a_pixels_first_sample_has_numbers_of_its_own_by_every_seed(blender, est
 
 
 def white():
-    preset = check.materials()["white"].with_parameters(m=pictures.SLOPE)
+    preset = materials()["white"].with_parameters(m=pictures.SLOPE)
     return pictures.build(preset, pictures.Choice("nodes", "mirror"))
 
 

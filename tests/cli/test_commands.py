@@ -70,6 +70,8 @@ def test_presets_as_json_hold_the_contract():
         (["measure", "copper", "--theta-i", "5", "--estimator", "mirror", "-o", "a.exr"], "sun of zero size"),
         (["measure", "copper", "--furnace", "--estimator", "direct", "-o", "a.exr"], "direct sees lamps alone"),
         (["measure", "copper", "--furnace", "--window", "5", "-o", "a.exr"], "--furnace has no sun"),
+        (["measure", "copper", "--furnace", "--phi-i", "5", "-o", "a.exr"], "--furnace has no sun"),
+        (["measure", "copper", "--theta-i", "5", "--phi-i", "361", "-o", "a.exr"], "--phi-i"),
         (["frobnicate"], "No such command"),
         (["render", "rusting_iron", "-o", "a.png", "--time", "nan"], "'--time': must be a number, got 'nan'"),
         (["render", "rusting_iron", "-o", "a_#.png", "--frames", "1-3", "--time", "1"], "give one of them"),
@@ -135,7 +137,8 @@ def read_exr(path):
 def test_measure_writes_the_brdf_with_its_story(tmp_path):
     """Pixel (x, y) is phi_o = 2 pi (x + .5)/W, theta_o = (pi/2)(y + .5)/H; parameters are in the attributes."""
     path = tmp_path / "f.exr"
-    done = vgroove("measure", "copper", "--theta-i", "45", "--set", "m=0.2", "--resolution", "32x16", "-o", path)
+    light = "--theta-i", "45", "--phi-i", "30"
+    done = vgroove("measure", "copper", *light, "--set", "m=0.2", "--resolution", "32x16", "-o", path)
     assert done.code == 0, done.err
     assert done.out == ""
     image, spec = read_exr(path)
@@ -144,11 +147,12 @@ def test_measure_writes_the_brdf_with_its_story(tmp_path):
     assert str(spec.format) == "float"
     theta, phi = np.pi / 2 * (np.arange(16) + 0.5)[:, None] / 16, 2 * np.pi * (np.arange(32) + 0.5) / 32
     wo = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)), axis=-1)
-    wi = [np.sin(np.pi / 4), 0.0, np.cos(np.pi / 4)]
+    wi = [np.cos(np.pi / 6) * np.sin(np.pi / 4), np.sin(np.pi / 6) * np.sin(np.pi / 4), np.cos(np.pi / 4)]
     expected = CookTorrance(0.2, Schlick((0.95, 0.64, 0.54))).evaluate(wi, wo)
     np.testing.assert_allclose(image, expected, atol=2e-5 * expected.max())
     assert spec.get_string_attribute("vgroove:preset") == "lecture/copper"
     assert json.loads(spec.get_string_attribute("vgroove:parameters"))["m"] == 0.2
+    assert json.loads(spec.get_string_attribute("vgroove:geometry"))["phi_i"] == 30.0
     assert spec.get_string_attribute("vgroove:estimator") == "direct"
     assert spec.get_string_attribute("vgroove:backend") == "nodes"
     assert spec.get_int_attribute("vgroove:samples") == 1
@@ -244,7 +248,7 @@ def test_check_exits_0_and_writes_json(blender, monkeypatch, tmp_path):
     from vgroove.lab.check import plan as check_all
 
     path, plan = tmp_path / "check.json", check_all.quick_plan()
-    assert len({getattr(measure, "func", measure).__module__ for measure, _ in plan}) == 5
+    assert len({row.func.__module__ for row in plan}) == 4
     monkeypatch.setattr(check_all, "quick_plan", lambda: plan[::6])
     done = vgroove("check", "--quick", "--json", path)
     assert done.code == 0, done.err
@@ -257,11 +261,12 @@ def test_check_exits_0_and_writes_json(blender, monkeypatch, tmp_path):
 def test_check_exits_1_when_a_row_fails(blender, monkeypatch, tmp_path):
     """A reference that is 1 % off ends in exit code 1."""
     from vgroove.lab.check import plan as check_all
-    from vgroove.lab.check import rows as check
+    from vgroove.lab.check.cook_torrance import direct_row
+    from vgroove.lab.check.rows import SETUPS
 
-    row = check.direct_row(check.SETUPS[0], "schlick", 0.3)
+    row = direct_row(SETUPS[0], "schlick", 0.3)
     for factor, code in ((1.0, 0), (1.01, 1)):
-        monkeypatch.setattr(check_all, "plan", lambda factor=factor: [(row.scaled, (factor,))])
+        monkeypatch.setattr(check_all, "plan", lambda factor=factor: [partial(row.scaled, factor)])
         assert vgroove("check").code == code
 
 

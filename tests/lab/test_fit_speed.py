@@ -10,7 +10,7 @@ from vgroove import headless
 from vgroove.addon.blender import gonio, material
 from vgroove.addon.blender.material import Choice
 from vgroove.lab.bench import scenes
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.cook_torrance import materials
 
 pytestmark = pytest.mark.blender
 
@@ -43,7 +43,7 @@ def test_the_clock_tells_what_is_slow(blender):
 
 def measured(scene, fresnel, estimator):
     """The median of an estimator's time over that of ``closure``, and its error."""
-    preset = check.materials()[fresnel].with_parameters(m=0.3)
+    preset = materials()[fresnel].with_parameters(m=0.3)
     with headless.quiet(), scenes.stage(scene, SIZE) as shown:
         shown.scene.render.threads_mode, shown.scene.render.threads = "FIXED", 1
         made = [material.build(preset, Choice("nodes", of)) for of in (estimator, "closure")]

@@ -7,7 +7,8 @@ import pytest
 from vgroove.addon.blender import material
 from vgroove.addon.library.presets import PresetError, parse
 from vgroove.addon.reference import F82, CarPaint, CookTorrance, OrenNayar, albedo, rendered, spherical
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.rows import SETUPS, Row
+from vgroove.lab.check.views import closure_bar, direct_bar, noiseless_row
 from vgroove.nodegroups import car_paint
 
 TEXT = """
@@ -95,13 +96,13 @@ def test_samples_give_the_albedo():
 
 def exact_row(estimator, setup, of=None):
     """Under a sun of zero size, with the bar of the narrower lobe."""
-    bar = check.direct_bar(0.2) if estimator == "direct" else check.closure_bar(0.2)
-    return check.exact_row(estimator, setup, "f82", 0.2, of or preset(), bar, windows=(0.0,))
+    bar = direct_bar(0.2) if estimator == "direct" else closure_bar(0.2)
+    return noiseless_row(estimator, setup, of or preset(), bar, variant="f82", at={"m": 0.2}, windows=(0.0,))
 
 
 @pytest.mark.blender
 @pytest.mark.parametrize("estimator", ESTIMATORS)
-@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SETUPS, ids=str)
 def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, setup, estimator):
     """On the hemisphere, at every theta_i; red as well if one lobe alone has 1 % more."""
     row = exact_row(estimator, setup)
@@ -114,14 +115,14 @@ def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(in
 
 
 @pytest.mark.blender
-@pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[2]], ids=str)
+@pytest.mark.parametrize("setup", [SETUPS[0], SETUPS[2]], ids=str)
 def test_mirror_sends_back_the_albedo(instrument, setup):
     """In a white furnace, by Z-test; a lobe with 2 % less would show."""
     from vgroove.lab.check.seeds import furnace_directions, furnace_view
 
     model = preset().reference()
-    view = furnace_view(preset(), setup, "mirror", albedo(model, furnace_directions()))
-    row = check.Row("mirror, furnace", setup, "f82", 0.2, [view])
+    view = furnace_view(preset(), setup, "mirror", albedo(model, furnace_directions())[:, None])
+    row = Row("mirror, furnace", setup, views=[view])
     assert row.passed, row.as_json()
     assert not row.scaled(1.01).passed
     assert not row.scaled(1 / 1.01).passed

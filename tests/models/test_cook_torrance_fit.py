@@ -12,19 +12,20 @@ from vgroove.addon.blender import gonio
 from vgroove.addon.reference import Schlick, cook_torrance
 from vgroove.addon.reference.cook_torrance_fit import cook_torrance_fit
 from vgroove.addon.reference.quadrature import panels
-from vgroove.lab.check import rows as check
-from vgroove.lab.check import seeds as check_seeds
+from vgroove.lab.check.cook_torrance import materials
+from vgroove.lab.check.rows import SETUPS, limit
+from vgroove.lab.check.views import FURNACE_SIZE, closure_bar, furnace, measure
 
 pytestmark = pytest.mark.blender
 
-NODES, _, OSL = check.SETUPS
+NODES, _, OSL = SETUPS
 WHITE = "white"
 ROWS, COLUMNS = 27, 256  # of theta_o, 1.7 to 88.3 degrees, 85 among them; of phi_o
 STEP = 1.0 / 255.0  # of an 8-bit picture
 
 
 def white(m):
-    return check.materials()[WHITE].with_parameters(m=m)
+    return materials()[WHITE].with_parameters(m=m)
 
 
 def distances(setup, m, gain=1.0):
@@ -34,7 +35,7 @@ def distances(setup, m, gain=1.0):
     for theta_i, weight in zip(*wide, strict=True):
         geometry = gonio.Geometry(min(float(np.degrees(theta_i)), 89.99), resolution=(COLUMNS, ROWS))
         f = cook_torrance(geometry.wi(), geometry.wo(), m, Schlick(1.0))[..., 0]
-        seen = gain * check.measure(white(m), setup, "fit", geometry)[..., 0]
+        seen = gain * measure(white(m), setup, "fit", geometry)[..., 0]
         solid_angle = weight * np.sin(theta_i) * np.cos(theta_i) * 2.0 * np.pi / COLUMNS
         off += solid_angle * np.abs(seen - f).sum(axis=1)
         lost += solid_angle * (seen - f).sum(axis=1)
@@ -75,10 +76,10 @@ def test_a_white_furnace_never_brightens(instrument, setup, m):
     The mixture is held to 0.9998 of it, and Cycles' sums of samples round by less. Slopes to 0.3 send back so much that
     1 % more would be red.
     """
-    images = [check.measure(white(m), setup, "fit", check_seeds.furnace(), 256, seed)[..., 0] for seed in range(4)]
+    images = [measure(white(m), setup, "fit", furnace(), 256, seed)[..., 0] for seed in range(4)]
     sent = np.mean(images, axis=(0, 2))
-    noise = np.std(images, axis=(0, 2), ddof=1) / np.sqrt(4 * check_seeds.FURNACE_SIZE)
-    most = 1.0 + check.limit(sent.size) * noise
+    noise = np.std(images, axis=(0, 2), ddof=1) / np.sqrt(4 * FURNACE_SIZE)
+    most = 1.0 + limit(sent.size) * noise
     assert (sent <= most).all()
     if m <= 0.3:
         assert (1.01 * sent > most).any()
@@ -123,7 +124,7 @@ def test_no_step_from_view_to_view(instrument, setup, m, theta_i):
     Beyond, where a ball's radius has less than 0.02 % left, the mixture turns faster than that.
     """
     geometry = gonio.Geometry(theta_i, resolution=(16, 2048))
-    image = check.measure(white(m), setup, "fit", geometry)[: int(2048 * 89 / 90)]
+    image = measure(white(m), setup, "fit", geometry)[: int(2048 * 89 / 90)]
     across = np.abs(np.diff(image[..., 0], 2, axis=0))
     assert across.max() < STEP * image.max()
     row, column = np.unravel_index(np.argmax(image[..., 0]), image.shape[:2])
@@ -142,4 +143,4 @@ def test_head_on_the_tangent_vanishes_and_the_value_is_right(instrument, setup, 
     assert normal[32, 32].tolist() == [0.0, 0.0, 1.0]
     wi, up = gonio.Geometry(20.0).wi(), np.array([0.0, 0.0, 1.0])
     expected = cook_torrance_fit(wi, up, m, Schlick(1.0)) * wi[2]
-    np.testing.assert_allclose(radiance[32, 32], expected, rtol=check.closure_bar(m))
+    np.testing.assert_allclose(radiance[32, 32], expected, rtol=closure_bar(m))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Glass in Cycles against NumPy: every row of check_glass passes, and turns red on deliberate errors."""
+"""Glass in Cycles against NumPy: every row passes, and turns red on deliberate errors."""
 
 from functools import partial
 
@@ -12,39 +12,32 @@ from vgroove.addon.blender import gonio, material
 from vgroove.addon.library.presets import parse
 from vgroove.addon.reference import fresnel_dielectric
 from vgroove.addon.reference.glass import pane
-from vgroove.lab.check import glass as check_glass
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.glass import NOISY_ROWS, SLOPES, furnace_row, measure_probe, plan, probe, sun_row
+from vgroove.lab.check.rows import SETUPS, surely_seen
 from vgroove.nodegroups import glass, glass_closure, glass_mirror, osl_script, random_numbers
+
+from ..rows import name
 
 pytestmark = pytest.mark.blender
 
-NODES, OSL = check.SETUPS[0], check.SETUPS[2]
+NODES, OSL = SETUPS[0], SETUPS[2]
 BOTH = pytest.mark.parametrize("setup", [NODES, OSL], ids=str)
 
 
-def name(item):
-    measure, arguments, more = item
-    words = [measure.__name__, *map(str, arguments), *(word for word, on in more.items() if on)]
-    return "-".join(words).replace(" ", "_")
-
-
-@pytest.mark.parametrize("item", check_glass.plan(), ids=name)
-def test_glass_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, item):
+@pytest.mark.parametrize("row", plan(), ids=name)
+def test_glass_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, row):
     """Every row passes, and is red against a reference 1 % brighter or darker."""
-    measure, arguments, more = item
-    row = measure(*arguments, **more)
+    row = row()
     assert row.passed, row.as_json()
     assert not row.scaled(1.01).passed
     assert not row.scaled(1 / 1.01).passed
-    assert not row.is_noisy or row.resolves <= check.surely_seen(
-        0.01, check_glass.NOISY_ROWS
-    )  # red on any machine's noise
+    assert not row.is_noisy or row.resolves <= surely_seen(0.01, NOISY_ROWS)  # red on any machine's noise
 
 
 def test_the_limit_for_noisy_rows_counts_them_all():
     """Sidak's correction is for as many rows as the plan has."""
-    noisy = {check_glass.furnace_row, check_glass.sun_row}
-    assert sum(measure in noisy for measure, *_ in check_glass.plan()) == check_glass.NOISY_ROWS
+    noisy = {furnace_row, sun_row}
+    assert sum(row.func in noisy for row in plan()) == NOISY_ROWS
 
 
 def test_a_window_is_around_the_refracted_ray():
@@ -75,34 +68,34 @@ def scaled(function):
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("m", check_glass.SLOPES)
+@pytest.mark.parametrize("m", SLOPES)
 @BOTH
 def test_one_percent_in_the_shadow_of_what_is_refracted_turns_the_furnace_red(blender, monkeypatch, setup, m):
     """G2t, in the node group and in OSL."""
     monkeypatch.setattr(glass_mirror, "_share_below", scaled(glass_mirror._share_below))
     monkeypatch.setattr(osl_script, "source", mutated("return max(0, G1 - (1 -", "return 0.99 * max(0, G1 - (1 -"))
-    assert not check_glass.furnace_row(setup, 1.5, m, "all").passed
+    assert not furnace_row(setup, 1.5, m, "all").passed
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("m", check_glass.SLOPES)
+@pytest.mark.parametrize("m", SLOPES)
 @BOTH
 def test_one_percent_in_the_weight_of_the_mirror_turns_the_furnace_red(blender, monkeypatch, setup, m):
     """F G2/G1, where most of the light is reflected: inside diamond."""
     split = glass.split
     monkeypatch.setattr(glass, "split", lambda tree, h, R, *rest, **more: split(tree, h, R * 0.99, *rest, **more))
     monkeypatch.setattr(osl_script, "source", mutated("BSDF = F * (G2 / G1)", "BSDF = 0.99 * F * (G2 / G1)"))
-    assert not check_glass.furnace_row(setup, 1.0 / 2.42, m, "all").passed
+    assert not furnace_row(setup, 1.0 / 2.42, m, "all").passed
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("m", check_glass.SLOPES)
+@pytest.mark.parametrize("m", SLOPES)
 @BOTH
 def test_a_constant_in_place_of_the_hash_turns_the_furnace_red(blender, monkeypatch, setup, m):
     """One facet for all samples."""
     monkeypatch.setattr(random_numbers, "build", frozen)
     monkeypatch.setattr(osl_script, "source", mutated('return noise("hash", P, w)', "return 0.37"))
-    assert not check_glass.furnace_row(setup, 1.5, m, "all").passed
+    assert not furnace_row(setup, 1.5, m, "all").passed
 
 
 def frozen(tree):
@@ -116,8 +109,8 @@ def test_the_index_of_the_wrong_side_turns_every_view_from_inside_red(blender, m
     """Backfacing not asked for."""
     monkeypatch.setattr(glass, "index_ahead", lambda _tree, eta: eta)
     monkeypatch.setattr(osl_script, "source", mutated("backfacing()", "0"))
-    assert not check_glass.furnace_row(setup, 1.5, 0.3, "all", inside=True).passed
-    assert not check_glass.furnace_row(setup, 1.5, 0.3, "below", inside=True).passed
+    assert not furnace_row(setup, 1.5, 0.3, "all", inside=True).passed
+    assert not furnace_row(setup, 1.5, 0.3, "below", inside=True).passed
 
 
 # --- m = 0 ----------------------------------------------------------------------------------------------------------
@@ -129,7 +122,7 @@ def test_smooth_glass_reflects_all_light_beyond_the_critical_angle(instrument, s
     beyond = np.degrees(np.arccos(gonio.Geometry(resolution=(32, 32)).wo()[..., 2])) > np.degrees(np.arcsin(1 / 1.5))
     for lit, expected in (("below", 0.0), ("above", 1.0)):
         geometry = gonio.Geometry(furnace=True, lit=lit, inside=True, resolution=(32, 32))
-        image = check_glass.measure(check_glass.material(setup, "mirror", 1.5, 0.0), setup, geometry, 16)
+        image = measure_probe(probe(setup, "mirror", 1.5, 0.0), setup, geometry, 16)
         np.testing.assert_allclose(image[beyond], expected, atol=2e-7)
         assert 0.0 < image[~beyond].mean() < 1.0
 
@@ -141,8 +134,8 @@ def test_tint_colours_what_passes_alone(instrument, setup, estimator, thin):
     """Smooth, in a white world: F + tint (1 - F), each sample F/p or tint (1 - F)/(1 - p) by Cycles' choice."""
     tint, samples = np.array([0.2, 0.5, 1.0]), 1024
     geometry = gonio.Geometry(furnace=True, resolution=(32, 32))
-    made = check_glass.material(setup, estimator, 1.5, 0.0, thin=thin, tint=tuple(tint))
-    image = check_glass.measure(made, setup, geometry, samples)
+    made = probe(setup, estimator, 1.5, 0.0, thin=thin, tint=tuple(tint))
+    image = measure_probe(made, setup, geometry, samples)
     F = fresnel_dielectric(geometry.wo()[..., 2], 1.5)[..., None]
     R, T = (pane(F), 1 - pane(F)) if thin else (F, 1 - F)
     p = R / (R + T * tint.mean())
@@ -156,9 +149,7 @@ def test_osl_closure_keeps_reflection_white(instrument, m):
     """Where Blender's Glass BSDF would tint it too; lit from above there is nothing but reflection."""
     for setup, tinted in ((OSL, False), (NODES, True)):
         geometry = gonio.Geometry(30.0, 5.0)
-        image = check_glass.measure(
-            check_glass.material(setup, "closure", 1.5, m, tint=(0.5, 1.0, 1.0)), setup, geometry, 1
-        )
+        image = measure_probe(probe(setup, "closure", 1.5, m, tint=(0.5, 1.0, 1.0)), setup, geometry, 1)
         np.testing.assert_allclose(image[..., 0], image[..., 1] * (0.5 if tinted else 1.0), rtol=1e-5)
 
 
@@ -170,8 +161,8 @@ def test_mirror_stays_finite_and_gains_nothing(instrument, setup, eta, m):
     for inside in (False, True):
         for thin in (False, True):
             geometry = gonio.Geometry(furnace=True, resolution=(16, 16), inside=inside)
-            made = check_glass.material(setup, "mirror", eta, m, thin=thin)
-            image = check_glass.measure(made, setup, geometry, 16)
+            made = probe(setup, "mirror", eta, m, thin=thin)
+            image = measure_probe(made, setup, geometry, 16)
             assert np.isfinite(image).all()
             assert image.min() >= 0.0
             assert image.max() <= 1.0 + 1e-5

@@ -6,55 +6,69 @@ import pytest
 
 from vgroove import headless
 from vgroove.addon.blender import gonio, material
-from vgroove.lab.check import hybrid as check_hybrid
-from vgroove.lab.check import rows as check
-from vgroove.lab.check import seeds as check_seeds
+from vgroove.addon.reference.hybrid import DEFAULT_BOUND
+from vgroove.lab.check.cook_torrance import (
+    SEEDED,
+    SEEDED_NOISY_ROWS,
+    fresnel_approximation,
+    hybrid_furnace_row,
+    materials,
+    native_row,
+    plan,
+    seeded_sun_row,
+)
+from vgroove.lab.check.hybrid import excess, sent_by_lobes
+from vgroove.lab.check.rows import SETUPS, limit, surely_seen
+from vgroove.lab.check.seeds import furnace_directions
+from vgroove.lab.check.views import closure_bar, furnace, measure
 from vgroove.nodegroups import cook_torrance_mirror, osl_script, random_numbers, smith_lobe, versions
 from vgroove.nodegroups._tree import Value
+
+from ..rows import name
 
 pytestmark = pytest.mark.blender
 
 
-def name(item):
-    measure, arguments = item
-    return f"{measure.__name__}-{'-'.join(str(part).replace(' ', '_') for part in arguments)}"
+ROWS = [row for row in plan() if row.func in {native_row, hybrid_furnace_row, seeded_sun_row}]
 
 
-@pytest.mark.parametrize("item", check_hybrid.plan(), ids=name)
-def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, item):
+@pytest.mark.parametrize("row", ROWS, ids=name)
+def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, row):
     """Every row passes, and is red against a reference 1 % brighter or darker."""
-    measure, arguments = item
-    row = measure(*arguments)
+    row = row()
     assert row.passed, row.as_json()
-    if not check.fresnel_approximation(row.setup, row.fresnel):
+    if not fresnel_approximation(row.setup, row.variant):
         assert not row.scaled(1.01).passed
         assert not row.scaled(1 / 1.01).passed
-        assert not row.is_noisy or row.resolves <= check.surely_seen(0.01, check_hybrid.NOISY_ROWS)
+        assert not row.is_noisy or row.resolves <= surely_seen(0.01, SEEDED_NOISY_ROWS)
 
 
 @pytest.mark.parametrize("m", [0.3, 0.6, 1.0])
 def test_lobes_of_fit_send_what_their_formula_says_and_lean_as_is_allowed_for(instrument, m):
     """In the mean over views, to the noise of 4096 samples and what two grids of the formula differ by."""
-    coarse, fine = (
-        np.array([check_hybrid.sent_by_lobes(wo, m, nodes) for wo in check_seeds.furnace_directions()])
-        for nodes in (100, 160)
-    )
-    white = check.materials()["white"].with_parameters(m=m)
-    images = [
-        check.measure(white, check.SETUPS[2], "fit", check_seeds.furnace(), 1024, seed)[..., 0] for seed in range(4)
-    ]
+    coarse, fine = (np.array([sent_by_lobes(wo, m, nodes) for wo in furnace_directions()]) for nodes in (100, 160))
+    white = materials()["white"].with_parameters(m=m)
+    images = [measure(white, SETUPS[2], "fit", furnace(), 1024, seed)[..., 0] for seed in range(4)]
     pixels = np.asarray(images, np.float64) / fine[:, None]
     noise = np.sqrt(np.mean(np.var(pixels, axis=(0, 2), ddof=1)) / pixels.size)
-    bar = check.limit(3) * noise + np.mean(np.abs(fine / coarse - 1.0))
+    bar = limit(3) * noise + np.mean(np.abs(fine / coarse - 1.0))
     leaning = versions.LEANING * m
     assert -bar <= pixels.mean() - 1.0 <= leaning + bar
     assert bar < 1e-3 * m  # so that what 4.5 has would be seen
 
 
+def test_what_hybrid_sends_back_is_computed_for_any_direction():
+    """Turned about the normal, a view gets the same."""
+    wo = np.array([0.6, 0.0, 0.8])
+    turned = np.array([0.6 * np.cos(2.0), 0.6 * np.sin(2.0), 0.8])
+    white = materials()["white"].reference_fresnel()
+    for of in (lambda view: excess(view, 0.3, white, DEFAULT_BOUND, 40), lambda view: sent_by_lobes(view, 0.3, 40)):
+        np.testing.assert_allclose(of(turned), of(wo), rtol=1e-12)
+
+
 def test_the_limit_for_noisy_rows_counts_them_all():
     """Sidak's correction is for as many rows as the plan has."""
-    noisy = {check_hybrid.furnace_row, check_hybrid.sun_row}
-    assert sum(measure in noisy for measure, _ in check_hybrid.plan()) == check_hybrid.NOISY_ROWS
+    assert sum(row.func is not native_row for row in ROWS) == SEEDED_NOISY_ROWS
 
 
 def one_percent_more(tree):
@@ -68,11 +82,11 @@ smith_lobe_build = smith_lobe.build
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("estimator", check_hybrid.ESTIMATORS)
+@pytest.mark.parametrize("estimator", SEEDED)
 def test_one_percent_in_the_subtracted_lobe_turns_lamps_red(blender, monkeypatch, estimator):
     """In the node group and in OSL."""
     monkeypatch.setattr(smith_lobe, "build", one_percent_more)
-    assert not check.native_row(estimator, check.SETUPS[0], "schlick", 0.3).passed
+    assert not native_row(estimator, SETUPS[0], "schlick", 0.3).passed
     original = osl_script.source
 
     def source(shader):
@@ -80,7 +94,7 @@ def test_one_percent_in_the_subtracted_lobe_turns_lamps_red(blender, monkeypatch
 
     assert source("cook_torrance_correction") != original("cook_torrance_correction")
     monkeypatch.setattr(osl_script, "source", source)
-    assert not check.native_row(estimator, check.SETUPS[2], "schlick", 0.3).passed
+    assert not native_row(estimator, SETUPS[2], "schlick", 0.3).passed
 
 
 def frozen(tree):
@@ -92,7 +106,7 @@ def frozen(tree):
 def test_a_constant_in_place_of_the_hash_turns_hybrid_red(blender, monkeypatch):
     """A frozen random number looks like no noise at all."""
     monkeypatch.setattr(random_numbers, "build", frozen)
-    assert not check_hybrid.furnace_row(check.SETUPS[0], "white", 0.6).passed
+    assert not hybrid_furnace_row(SETUPS[0], "white", 0.6).passed
 
 
 @pytest.mark.once
@@ -100,29 +114,29 @@ def test_ten_percent_in_the_random_part_turns_hybrid_red(blender, monkeypatch):
     """The mirror carries about a third: a tenth of it is some 3 % of the whole."""
     original = cook_torrance_mirror.fresnel.reflectance
     monkeypatch.setattr(cook_torrance_mirror.fresnel, "reflectance", lambda *arguments: original(*arguments) * 0.9)
-    assert not check_hybrid.furnace_row(check.SETUPS[0], "white", 0.6).passed
+    assert not hybrid_furnace_row(SETUPS[0], "white", 0.6).passed
 
 
-@pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[2]], ids=str)
+@pytest.mark.parametrize("setup", [SETUPS[0], SETUPS[2]], ids=str)
 @pytest.mark.parametrize("m", [1e-4, 1e-3, 0.3, 1.0])
 @pytest.mark.parametrize("theta_i", [0.0, 89.99])
 def test_both_stay_finite(instrument, setup, m, theta_i):
     """No NaN or infinity for slopes down to 1e-4 and light at 89.99 degrees; nothing below 0 but by rounding."""
-    preset = check.materials()["schlick"].with_parameters(m=m)
-    for estimator in check_hybrid.ESTIMATORS:
+    preset = materials()["schlick"].with_parameters(m=m)
+    for estimator in SEEDED:
         for window in (0.0, 5.0):
             with headless.quiet():
                 image = gonio.measure_preset(
                     preset, setup.backend, estimator, gonio.Geometry(theta_i, window), shading_osl=setup.shading_osl
                 )
             assert np.isfinite(image).all()
-            assert image.min() >= -max(check.closure_bar(m), 1e-3) * max(image.max(), 1.0)
+            assert image.min() >= -max(closure_bar(m), 1e-3) * max(image.max(), 1.0)
 
 
 @pytest.mark.parametrize("backend", material.BACKENDS)
 def test_a_tighter_bound_leaves_more_to_the_mirror(instrument, backend):
     """The bound is the artist's to turn, and reaches the shader: the noise of a furnace grows as it shrinks."""
-    preset = check.materials()["white"].with_parameters(m=0.6)
+    preset = materials()["white"].with_parameters(m=0.6)
     noise = []
     for bound in (0.001, 0.05):
         with headless.quiet():

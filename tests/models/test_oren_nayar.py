@@ -12,8 +12,18 @@ from vgroove.addon.blender.material import BUILDERS
 from vgroove.addon.reference import oren_nayar as reference
 from vgroove.addon.reference import oren_nayar_fit as reference_fit
 from vgroove.addon.reference import spherical
-from vgroove.lab.check import oren_nayar as check_oren_nayar
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.oren_nayar import (
+    MIRROR_SIGMAS,
+    NOISY_ROWS,
+    SIGMAS,
+    exact_row,
+    furnace_row,
+    hybrid_furnace_row,
+    plan,
+    preset,
+)
+from vgroove.lab.check.rows import SETUPS, surely_seen
+from vgroove.lab.check.views import measure
 from vgroove.nodegroups import (
     cycles_diffuse,
     oren_nayar,
@@ -26,46 +36,40 @@ from vgroove.nodegroups import (
 )
 from vgroove.nodegroups._tree import Value
 
+from ..rows import name
+
 pytestmark = pytest.mark.blender
 
-NODES, _, OSL = check.SETUPS
+NODES, _, OSL = SETUPS
 ESTIMATORS = {module.NAME: module for module in BUILDERS["oren_nayar"].values()}
 UNLAMPED = (oren_nayar_closure, oren_nayar_fit)
-ROUGH = check_oren_nayar.SIGMAS[1:]
+ROUGH = SIGMAS[1:]
 
 
-def name(item):
-    measure, (*what, sigma) = item
-    return f"{measure.__name__}-{'-'.join(map(str, what))}-{sigma:.2f}".replace(" ", "_")
-
-
-@pytest.mark.parametrize("item", check_oren_nayar.plan(), ids=name)
-def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, item):
+@pytest.mark.parametrize("row", plan(), ids=name)
+def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, row):
     """Every row of the plan passes, and is red against a reference 1 % brighter or darker."""
-    measure, arguments = item
-    row = measure(*arguments)
+    row = row()
     assert row.passed, row.as_json()
     assert not row.scaled(1.01).passed
     assert not row.scaled(1 / 1.01).passed
-    assert not row.is_noisy or row.resolves <= check.surely_seen(0.01, check_oren_nayar.NOISY_ROWS)
+    assert not row.is_noisy or row.resolves <= surely_seen(0.01, NOISY_ROWS)
 
 
 def test_the_limit_for_noisy_rows_counts_them_all():
     """Sidak's correction is for as many rows as the plan has."""
-    assert sum(measure is not check_oren_nayar.exact_row for measure, _ in check_oren_nayar.plan()) == (
-        check_oren_nayar.NOISY_ROWS
-    )
+    assert sum(row.func is not exact_row for row in plan()) == NOISY_ROWS
 
 
-@pytest.mark.parametrize("setup", check.SETUPS, ids=str)
+@pytest.mark.parametrize("setup", SETUPS, ids=str)
 @pytest.mark.parametrize("estimator", ["closure", "fit", "hybrid", "mirror"])
 @pytest.mark.parametrize("sigma", [1e-6, 1e-4, 2e-3])
 def test_facets_that_hardly_tilt_are_lamberts(instrument, sigma, estimator, setup):
     """By every estimator under a white sky, to 10 sigma^2; Cycles' own Oren-Nayar would be black in OSL."""
-    preset = check_oren_nayar.preset("full", sigma)
+    of = preset("full", sigma)
     sky = gonio.Geometry(furnace=True, resolution=(8, 2))
-    image = check.measure(preset, setup, estimator, sky, 64)
-    np.testing.assert_allclose(image, np.broadcast_to(preset.parameters["albedo"], image.shape), rtol=1e-4)
+    image = measure(of, setup, estimator, sky, 64)
+    np.testing.assert_allclose(image, np.broadcast_to(of.parameters["albedo"], image.shape), rtol=1e-4)
 
 
 # --- mutants ------------------------------------------------------------------------------------------------------
@@ -121,14 +125,14 @@ def test_one_percent_in_one_term_turns_direct_red(blender, monkeypatch, kind, co
     """In C1, C2, C3 and the interreflection, as nodes and in OSL, at every sigma that ``direct`` claims."""
     with monkeypatch.context() as patch:
         patch.setattr(oren_nayar, "build", with_constant(constant))
-        assert not check_oren_nayar.exact_row("direct", NODES, kind, sigma).passed
+        assert not exact_row("direct", NODES, kind, sigma).passed
     monkeypatch.setattr(osl_script, "source", mutated(osl, f"1.01 * {osl}"))
-    assert not check_oren_nayar.exact_row("direct", OSL, kind, sigma).passed
+    assert not exact_row("direct", OSL, kind, sigma).passed
 
 
 @pytest.mark.once
 @pytest.mark.parametrize("kind", oren_nayar.KINDS)
-@pytest.mark.parametrize("sigma", check_oren_nayar.MIRROR_SIGMAS)
+@pytest.mark.parametrize("sigma", MIRROR_SIGMAS)
 def test_one_percent_in_the_weight_or_a_constant_hash_turns_mirror_red(blender, monkeypatch, kind, sigma):
     """The weight 1 % smaller, then a number that does not change from sample to sample."""
     brdf = oren_nayar.brdf
@@ -139,8 +143,8 @@ def test_one_percent_in_the_weight_or_a_constant_hash_turns_mirror_red(blender, 
         with monkeypatch.context() as patch:
             patch.setattr(*nodes)
             patch.setattr(osl_script, "source", mutated(*osl))
-            assert not check_oren_nayar.furnace_row(NODES, kind, sigma).passed
-            assert not check_oren_nayar.furnace_row(OSL, kind, sigma).passed
+            assert not furnace_row(NODES, kind, sigma).passed
+            assert not furnace_row(OSL, kind, sigma).passed
         for group in list(blender.data.node_groups):
             blender.data.node_groups.remove(group)
 
@@ -167,7 +171,7 @@ def test_one_percent_in_the_tables_turns_closure_and_fit_red(blender, monkeypatc
             for module in (oren_nayar_closure, oren_nayar_fit, nodegroups.oren_nayar_table):
                 patch.setattr(module, "table", lambda name, of=wrong: of if name == kind else reference_fit.table(name))
             for setup in (NODES, OSL):
-                assert not check_oren_nayar.exact_row(estimator, setup, kind, sigma).passed
+                assert not exact_row(estimator, setup, kind, sigma).passed
         for group in list(blender.data.node_groups):
             blender.data.node_groups.remove(group)
 
@@ -188,11 +192,11 @@ cycles_diffuse_build = cycles_diffuse.build
 def test_one_percent_in_what_is_subtracted_turns_lamps_red(blender, monkeypatch, kind, estimator):
     """Cycles' closure as a formula, in the node group and in OSL."""
     monkeypatch.setattr(cycles_diffuse, "build", one_percent_more)
-    assert not check_oren_nayar.exact_row(estimator, NODES, kind, 0.6).passed
+    assert not exact_row(estimator, NODES, kind, 0.6).passed
     monkeypatch.setattr(
         osl_script, "source", mutated_if_there("return c * once + again", "return 1.01 * (c * once + again)")
     )
-    assert not check_oren_nayar.exact_row(estimator, OSL, kind, 0.6).passed
+    assert not exact_row(estimator, OSL, kind, 0.6).passed
 
 
 def mutated_if_there(old, new):
@@ -206,12 +210,12 @@ def test_a_constant_hash_or_a_tenth_more_of_the_random_part_turns_hybrid_red(ble
     """The mirror carries a tenth or so at this sigma: a tenth of it is 1 % of the whole."""
     with monkeypatch.context() as patch:
         patch.setattr(random_numbers, "build", frozen)
-        assert not check_oren_nayar.hybrid_furnace_row(NODES, "full", 1.0).passed
+        assert not hybrid_furnace_row(NODES, "full", 1.0).passed
     for group in list(blender.data.node_groups):
         blender.data.node_groups.remove(group)
     ray = oren_nayar_hybrid.mirror.ray
     monkeypatch.setattr(oren_nayar_hybrid.mirror, "ray", lambda tree, *given: tree.weighted(ray(tree, *given), 0.9))
-    assert not check_oren_nayar.hybrid_furnace_row(NODES, "full", 1.0).passed
+    assert not hybrid_furnace_row(NODES, "full", 1.0).passed
 
 
 # --- the groups ---------------------------------------------------------------------------------------------------

@@ -11,9 +11,11 @@ from vgroove.addon.library.presets import PresetError, find, parse
 from vgroove.addon.reference import CookTorrance, Dielectric, Lambert, OrenNayar, Schlick, Sum, albedo, spherical
 from vgroove.addon.reference.cook_torrance_albedo import quick_albedo
 from vgroove.addon.reference.sum import quick_diffuse_share
-from vgroove.lab.check import rows as check
-from vgroove.lab.check import sum as check_sum
+from vgroove.lab.check.rows import SETUPS, surely_seen
+from vgroove.lab.check.sum import NOISY_ROWS, exact_row, plan
 from vgroove.nodegroups import cook_torrance_albedo
+
+from ..rows import name
 
 TEXT = """
 name = "Sum"
@@ -119,27 +121,21 @@ def test_only_rough_or_smooth_reflection_can_be_coupled_in_shaders():
         quick_diffuse_share(Sum(Lambert(0.5), Lambert(0.5), 0.5, 0.5, coupled=True), spherical(0.3))
 
 
-def name(item):
-    measure, arguments = item
-    return f"{measure.__name__}-{'-'.join(map(str, arguments))}".replace(" ", "_")
-
-
 @pytest.mark.blender
-@pytest.mark.parametrize("item", check_sum.plan(), ids=name)
-def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, item):
+@pytest.mark.parametrize("row", plan(), ids=name)
+def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, row):
     """Every row passes, and is red against a reference 1 % brighter or darker."""
-    measure, arguments = item
-    row = measure(*arguments)
+    row = row()
     assert row.passed, row.as_json()
     if row.bar < 0.01 or row.is_noisy:  # on 4.5 native Fresnel terms are approximate
         assert not row.scaled(1.01).passed
         assert not row.scaled(1 / 1.01).passed
-        assert not row.is_noisy or row.resolves <= check.surely_seen(0.01, check_sum.NOISY_ROWS)
+        assert not row.is_noisy or row.resolves <= surely_seen(0.01, NOISY_ROWS)
 
 
 def test_the_limit_for_noisy_rows_counts_them_all():
     """Sidak's correction is for as many rows as the plan has."""
-    assert sum(measure is not check_sum.exact_row for measure, _ in check_sum.plan()) == check_sum.NOISY_ROWS
+    assert sum(row.func is not exact_row for row in plan()) == NOISY_ROWS
 
 
 @pytest.mark.once
@@ -148,8 +144,8 @@ def test_one_percent_in_the_specular_albedo_turns_coupled_sums_red(blender, monk
     """The same nodes serve both backends."""
     original = cook_torrance_albedo.directional_albedo
     monkeypatch.setattr(cook_torrance_albedo, "directional_albedo", lambda *given: original(*given) * 1.01)
-    for setup in (check.SETUPS[0], check.SETUPS[2]):
-        assert not check_sum.exact_row("direct", setup, "coupled", 0.3).passed
+    for setup in (SETUPS[0], SETUPS[2]):
+        assert not exact_row("direct", setup, "coupled", 0.3).passed
 
 
 @pytest.mark.blender

@@ -9,8 +9,9 @@ from vgroove.addon.blender import material
 from vgroove.addon.choose import advice
 from vgroove.addon.library.presets import PresetError, parse
 from vgroove.addon.reference import CookTorrance, Dielectric, Lambert, Sum, albedo
-from vgroove.lab.check import rows as check
-from vgroove.lab.check.seeds import furnace, furnace_directions
+from vgroove.lab.check.rows import SETUPS, Row
+from vgroove.lab.check.seeds import furnace_directions
+from vgroove.lab.check.views import furnace, measure
 from vgroove.nodegroups import translucent
 
 TEXT = """
@@ -53,14 +54,12 @@ def test_a_bad_body_is_one_line(old, new, message):
 
 def sent_back(of, setup, estimator):
     """Under a white sky, (32, 3): for each of ``furnace_directions``."""
-    return np.mean(
-        [check.measure(of, setup, estimator, furnace(), 256, seed).mean(axis=1) for seed in range(2)], axis=0
-    )
+    return np.mean([measure(of, setup, estimator, furnace(), 256, seed).mean(axis=1) for seed in range(2)], axis=0)
 
 
 @pytest.mark.blender
 @pytest.mark.parametrize("estimator", material.BUILDERS["translucent"])
-@pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[2]], ids=str)
+@pytest.mark.parametrize("setup", [SETUPS[0], SETUPS[2]], ids=str)
 def test_a_white_furnace_is_near_the_sum_and_never_brightens(instrument, setup, estimator):
     """Cycles sends less back toward the normal and more toward grazing than Lambert's law does: up to 20 %.
 
@@ -85,8 +84,8 @@ def test_the_coat_is_that_of_the_estimator(instrument):
 
     black = preset(reflectance=(0.0, 0.0, 0.0))
     coat = albedo(black.reference().specular, furnace_directions())
-    row = check.Row("mirror, furnace", check.SETUPS[0], "dielectric", 0.3)
-    row.views.append(furnace_view(black, check.SETUPS[0], "mirror", coat))
+    view = furnace_view(black, SETUPS[0], "mirror", coat[:, None])
+    row = Row("mirror, furnace", SETUPS[0], views=[view])
     assert row.passed, row.as_json()
     assert not row.scaled(1.03).passed
 

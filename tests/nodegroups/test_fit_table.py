@@ -12,7 +12,8 @@ from vgroove.addon.blender.material import Choice
 from vgroove.addon.blender.rebuild import rebuild
 from vgroove.addon.choose import advice
 from vgroove.addon.reference.cook_torrance_fit import FUNCTIONS, interpolated, tables
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.cook_torrance import materials
+from vgroove.lab.check.rows import SETUPS
 from vgroove.nodegroups import fit_table
 from vgroove.nodegroups.versions import empty_material
 
@@ -33,7 +34,7 @@ def images():
 
 
 def build(fresnel="schlick", estimator="fit", backend="nodes"):
-    return material.build(check.materials()[fresnel], Choice(backend, estimator))
+    return material.build(materials()[fresnel], Choice(backend, estimator))
 
 
 def test_the_image_holds_the_table(blender):
@@ -89,7 +90,7 @@ def test_a_deleted_image_comes_back(blender):
         assert fit_table.lost()
         if by == "advice":
             shown = blender.context.scene
-            found = {p.key: p for p in advice.problems_with(shown, check.materials()["schlick"], "nodes", "fit")}
+            found = {p.key: p for p in advice.problems_with(shown, materials()["schlick"], "nodes", "fit")}
             assert "render pink" in found["table"].text
             found["table"].mend()
         else:
@@ -116,7 +117,7 @@ def working_space(name):
             bpy.ops.wm.set_working_color_space(convert_colors=False, working_space=before)
 
 
-@pytest.mark.parametrize("setup", [check.SETUPS[0], check.SETUPS[1]], ids=str)
+@pytest.mark.parametrize("setup", [SETUPS[0], SETUPS[1]], ids=str)
 @pytest.mark.parametrize("space", ["Linear Rec.709", "ACEScg"])
 def test_cycles_looks_numbers_up_as_the_reference_does(instrument, setup, space):
     """Between nodes too, in every block, whatever the working space.

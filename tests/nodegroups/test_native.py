@@ -23,14 +23,14 @@ from vgroove.addon.reference.cook_torrance_fit import NARROWEST, smith_lobe
 from vgroove.addon.reference.directions import dot, half_vector
 from vgroove.addon.reference.glass import refraction_facet
 from vgroove.addon.reference.oren_nayar_fit import cycles_diffuse
-from vgroove.lab.check import rows as check
+from vgroove.lab.check.views import closure_bar
 from vgroove.nodegroups import osl_script, versions
 from vgroove.nodegroups._tree import NativeError, Tree, cross, output
 
 pytestmark = pytest.mark.blender
 
 SOCKETS = Path(__file__).parents[1] / "data" / "native.toml"
-DIFFUSE_BAR = 5e-6  # as check_oren_nayar's: about 20 float32 operations on cosines
+DIFFUSE_BAR = 5e-6  # as lab/check/oren_nayar.py has it: about 20 float32 operations on cosines
 SURE = 1e-6  # weights of perfect mirrors, some products of float32 from exact
 M, ETA, COLOR = 0.3, 1.5, (0.8, 0.5, 0.2)
 SUN, BELOW = gonio.Geometry(35.0, resolution=(24, 24)), gonio.Geometry(150.0, resolution=(24, 24))
@@ -157,7 +157,7 @@ class Probe:
     make: object
     expected: object
     geometries: tuple[gonio.Geometry, ...] = (SUN,)
-    bar: float = check.closure_bar(M)
+    bar: float = closure_bar(M)
 
 
 def node(kind, **given):
@@ -250,7 +250,7 @@ NODES = (
     Probe("Metallic, stretched", stretched,
           lobe(lambda c: np.ones((*c.shape, 3)), across=M / ASPECT, along=M * ASPECT)),
     Probe("Metallic, conductor", node("BsdfMetallic", fresnel_type="PHYSICAL_CONDUCTOR", IOR=N, Extinction=K, **METAL),
-          lobe(Conductor(N, K)), bar=check.closure_bar(M) if versions.EXACT_CONDUCTOR else 8e-3),
+          lobe(Conductor(N, K)), bar=closure_bar(M) if versions.EXACT_CONDUCTOR else 8e-3),
     Probe("Glass", node("BsdfGlass", IOR=ETA, Color=(1.0, 1.0, 1.0), **METAL), glass(ETA), (SUN, BELOW)),
     Probe("Glass, inside", node("BsdfGlass", IOR=ETA, Color=(1.0, 1.0, 1.0), **METAL), glass(1.0 / ETA), INSIDE),
     *(Probe(f"Refraction{', inside' * inside}", node("BsdfRefraction", IOR=ETA, Color=(1.0, 1.0, 1.0), **SMOOTH),
@@ -277,7 +277,7 @@ OSL = (
           f'microfacet_f82_tint("beckmann", N, vector(0, 1, 0), {M / ASPECT}, {M * ASPECT}, color(1), color(1))',
           lobe(lambda c: np.ones((*c.shape, 3)), across=M / ASPECT, along=M * ASPECT)),
     Probe("conductor_bsdf", f'conductor_bsdf(N, {ROUND}, {colour(N)}, {colour(K)}, "beckmann")', lobe(Conductor(N, K)),
-          bar=check.closure_bar(M) if versions.EXACT_CONDUCTOR else 8e-3),
+          bar=closure_bar(M) if versions.EXACT_CONDUCTOR else 8e-3),
     Probe("generalized_schlick_bsdf",
           f'generalized_schlick_bsdf(N, {ROUND.replace("vector(0)", "vector(0), color(1), color(0)")}, {colour(F0)}, '
           f'color(1), 5.0, "beckmann")', lobe(lambda c: schlick(c, F0))),

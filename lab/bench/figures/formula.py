@@ -8,32 +8,34 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...check import oren_nayar as check_oren_nayar
-from ...check import rows as check
+from ...check import cook_torrance, oren_nayar
 from . import Table, table
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from typing import Any
-
-    from ...check.rows import Row
+    from ...check.rows import Plan, Row
 
 SHOWN = ("direct", "closure")
 
 
 def tables() -> dict[str, Table]:
     """By estimator, setup and slope or sigma. Rows with an approximate Fresnel term are left out: F is not D or G."""
-    cook_torrance = [row for row in check.plan() if row[0] in {check.direct_row, check.closure_row}]
-    oren_nayar = [row for row in check_oren_nayar.plan() if row[0] is check_oren_nayar.exact_row and row[1][0] in SHOWN]
-    return {"cook_torrance": worst(cook_torrance, "m"), "oren_nayar": worst(oren_nayar, "sigma")}
+    microfacets = {cook_torrance.direct_row, cook_torrance.closure_row}
+    return {
+        "cook_torrance": worst([row for row in cook_torrance.plan() if row.func in microfacets]),
+        "oren_nayar": worst(
+            [row for row in oren_nayar.plan() if row.func is oren_nayar.exact_row and row.args[0] in SHOWN]
+        ),
+    }
 
 
-def worst(plan: Iterable[tuple[Callable[..., Row], tuple[Any, ...]]], number: str) -> Table:
+def worst(plan: Plan) -> Table:
     found: dict[tuple[str, str, float], list[Row]] = {}
-    for measure, arguments in plan:
-        row = measure(*arguments)
-        if number == "sigma" or not check.fresnel_approximation(row.setup, row.fresnel) or row.test == "direct":
-            found.setdefault((row.test, str(row.setup), row.m), []).append(row)
+    for measure in plan:
+        row = measure()
+        ((number, value),) = row.at.items()
+        approximate = row.model == "cook_torrance" and cook_torrance.fresnel_approximation(row.setup, row.variant)
+        if not approximate or row.test == "direct":
+            found.setdefault((row.test, str(row.setup), value), []).append(row)
     return table(
         ["estimator", "setup", number, "worst", "bar"],
         [[*key, max(row.error for row in rows), max(row.bar for row in rows)] for key, rows in found.items()],
