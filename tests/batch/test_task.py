@@ -10,7 +10,7 @@ import pytest
 
 from vgroove import headless
 from vgroove.addon.blender import images
-from vgroove.addon.blender.material import KEY
+from vgroove.addon.blender.roles import KEY
 from vgroove.addon.library.presets import all_presets, find
 from vgroove.batch import task as batch_task
 from vgroove.batch.job import parse

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vgroove.addon.blender.material import KEY, Choice, build, origin_of, plays
+from vgroove.addon.blender.material import Choice, build, origin_of, plays
+from vgroove.addon.blender.roles import KEY
 from vgroove.addon.choose import automatic
 from vgroove.addon.library.presets import shipped
 from vgroove.nodegroups import fit_table, versions
