@@ -4,28 +4,30 @@
 from __future__ import annotations
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from ...addon.blender.material import ESTIMATORS
+from ...addon.models import MODELS, estimators
 
 if TYPE_CHECKING:
     from functools import partial
 
     from .rows import Plan, Row
 
-MODULES = ("cook_torrance", "oren_nayar", "sum", "time", "glass")  # files of this folder that have a ``plan``
+OTHERS = ("time",)  # files of this folder with rows that are not one model's
 
 
 def plan() -> Plan:
-    """Every row: calls that measure one each."""
-    return [row for name in MODULES for row in import_module(f".{name}", __package__).plan()]
+    """Every row, of each model that has a file here: calls that measure one each."""
+    names = [name for name in MODELS if find_spec(f".{name}", __package__)]
+    return [row for name in (*names, *OTHERS) for row in import_module(f".{name}", __package__).plan()]
 
 
 def quick_plan() -> Plan:
     """One row of each kind and estimator, but for those under a sun with an angle, which take long."""
     first: dict[tuple[str, ...], partial[Row]] = {}
     for row in plan():
-        estimator = [part for part in row.args if part in ESTIMATORS]
+        estimator = [part for part in row.args if part in estimators.ALL]
         if row.args[-1] == 0.3 and "sun" not in row.func.__name__:
             first.setdefault((row.func.__module__, row.func.__name__, *estimator), row)
     return list(first.values())

@@ -13,6 +13,7 @@ from vgroove.addon.choose import automatic
 from vgroove.addon.library import presets, writing
 from vgroove.addon.models import MODELS, PARAMETERS, estimators, fresnel, parameter
 from vgroove.addon.reference import albedo, rendered, spherical
+from vgroove.lab.check import plan
 from vgroove.nodegroups import osl_script
 
 from ..chi_square import chi_square, draw, viewer
@@ -200,3 +201,9 @@ def test_automatic_picks_what_there_is(instrument, preset):
     shown = instrument.context.scene
     for scene in (shown, None):
         assert automatic.pick_estimator(scene, preset) in preset.spec.estimators
+
+
+def test_the_quick_plan_has_rows_of_every_model():
+    """``vgroove check --quick`` leaves no model out."""
+    files = {row.func.__module__.rpartition(".")[2] for row in plan.quick_plan()}
+    assert files >= set(MODELS)

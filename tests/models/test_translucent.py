@@ -9,8 +9,9 @@ from vgroove.addon.blender import material
 from vgroove.addon.choose import advice
 from vgroove.addon.library.presets import PresetError, parse
 from vgroove.addon.reference import CookTorrance, Dielectric, Lambert, Sum, albedo
-from vgroove.lab.check.rows import SETUPS, Row
+from vgroove.lab.check.rows import SETUPS
 from vgroove.lab.check.seeds import furnace_directions
+from vgroove.lab.check.translucent import NOISY_ROWS, furnace_row, plan
 from vgroove.lab.check.views import furnace, measure
 from vgroove.nodegroups import translucent
 
@@ -80,12 +81,7 @@ def test_a_white_furnace_is_near_the_sum_and_never_brightens(instrument, setup, 
 @pytest.mark.blender
 def test_the_coat_is_that_of_the_estimator(instrument):
     """Over a black body there is nothing but the coat: ``mirror`` gives its albedo, by Z-test."""
-    from vgroove.lab.check.seeds import furnace_view
-
-    black = preset(reflectance=(0.0, 0.0, 0.0))
-    coat = albedo(black.reference().specular, furnace_directions())
-    view = furnace_view(black, SETUPS[0], "mirror", coat[:, None])
-    row = Row("mirror, furnace", SETUPS[0], views=[view])
+    row = furnace_row(SETUPS[0], 0.3)
     assert row.passed, row.as_json()
     assert not row.scaled(1.03).passed
 
@@ -112,3 +108,8 @@ def test_there_is_no_direct(blender):
         pytest.raises(material.MaterialError, match='no estimator "direct"; use one of fit, closure'),
     ):
         material.build(preset(), material.Choice("nodes", "direct"))
+
+
+def test_a_row_is_judged_by_the_size_of_its_own_plan():
+    """Sidak's correction counts the noisy rows of the plan."""
+    assert sum(row.func is furnace_row for row in plan()) == NOISY_ROWS

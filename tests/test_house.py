@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The house keeps its rules: imports point one way, a model is known by its own files alone, nothing grows too long."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+_spec = importlib.util.spec_from_file_location("house", ROOT / "tools" / "house.py")
+house = sys.modules["house"] = importlib.util.module_from_spec(_spec)  # dataclasses look their module up
+_spec.loader.exec_module(house)
+FOUND, FILES, _ = house.count()
+# Loaded by nothing that an artist sees yet; scripts in Blender import them.
+FOR_SCRIPTS = {"addon/__init__.py", "addon/blender/gonio.py", "addon/blender/images.py", "addon/choose/explain.py"}
+
+
+def test_every_file_has_a_room():
+    """But for the extension's own __init__.py files."""
+    assert set(FILES) <= {*house.LEVEL, "(none)"}
+    assert FILES["(none)"] == 1
+
+
+@pytest.mark.parametrize("rule", house.RULES)
+def test_the_rule_holds(rule):
+    """`python tools/house.py --each` lists the places."""
+    assert FOUND.places[rule] == []
+
+
+@pytest.mark.parametrize(
+    ("importer", "imported", "wrong"),
+    [
+        ("reference", "models", True), ("models", "reference", False), ("blender", "lab", True), ("ui", "headless", True),
+        ("lab", "batch", True), ("cli", "lab", False), ("nodegroups", "nodegroups", False),
+    ],
+)  # fmt: skip
+def test_an_import_that_climbs_is_seen(importer, imported, wrong):
+    """The rule itself: rooms of one level do not know each other either."""
+    assert house.climbs(importer, imported) == wrong
+
+
+def test_a_decision_on_a_model_is_seen(tmp_path, monkeypatch):
+    """In a comparison, wherever the name stands."""
+    path = tmp_path / "addon" / "choose" / "wrong.py"
+    path.parent.mkdir(parents=True)
+    path.write_text('def f(preset):\n    return preset.model in {"glass", "sum"}\n', encoding="utf-8")
+    monkeypatch.setattr(house, "ROOT", tmp_path)
+    found, _, _ = house.count()
+    assert found.places[house.DECISIONS] == ["addon/choose/wrong.py:2 glass, sum"]
+
+
+def test_the_extension_holds_what_it_loads_and_nothing_else():
+    """Of our Python files: those that register() and its operators can import, and what scripts in Blender use."""
+    reached, waiting = set(), [ROOT / "__init__.py", ROOT / "addon" / "ui" / "__init__.py"]
+    waiting += (ROOT / "nodegroups").glob("*.py")  # found by their models' names
+    waiting += (ROOT / "addon" / "models").glob("*.py")
+    while waiting:
+        path = waiting.pop()
+        if path not in reached:
+            reached.add(path)
+            waiting += house.imported_by(path)
+    shipped = {path for path in house.sources() if house.room(path) in house.SHIPPED}
+    unused = {path.relative_to(ROOT).as_posix() for path in shipped - reached}
+    assert unused == {name for name in FOR_SCRIPTS if name != "addon/__init__.py"}
+    assert {path for path in reached if house.room(path) not in {*house.SHIPPED, ""}} == set()
+
+
+def test_the_count_prints_a_table():
+    """Rooms with their files and lines, and what is counted."""
+    done = subprocess.run([sys.executable, "tools/house.py"], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "blender" in done.stdout
