@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from ..addon.library.presets import Preset
     from ..batch.job import Task
     from ..batch.outcome import Outcome
-    from ..lab.bench.record import Record
+    from ..lab.bench.record import Cell, Record
 
 INTERRUPTED = 130  # exit code, as shells have it
 LONGEST_LINE = 1000  # characters of what is said of an error
@@ -744,52 +744,65 @@ def report(
 
     file = output / record.FILE
     _make(file)
-    begun = record.begun(file, _versions()["blender"], quick=quick, again=[str(part) for part in again or ()])
-    failed = _measured(begun, output, quick=quick)
+    kept = record.open_or_create(file, _versions()["blender"], quick=quick, again=[str(part) for part in again or ()])
+    failed = _measured(kept, output, quick=quick)
     _draw(file, output, failed)
 
 
-def _measured(begun: Record, folder: Path, *, quick: bool) -> list[str]:
-    """Measure what a report lacks; the keys of what could not be had."""
+def _measured(kept: Record, folder: Path, *, quick: bool) -> list[str]:
+    """Measure what a report lacks; the keys of the measurements that failed."""
     _with_blender()
     from ..lab.bench import run
 
     failed = []
-    wanted = run.cells(quick=quick)
-    missing = run.missing(begun, wanted)
-    begun.expect(len(wanted))
-    if kept := len(wanted) - len(missing):
-        _say(f"{kept} of {len(wanted)} measurements are there already")
+    wanted = run.cells(quick=quick, more=_cost_of_batch(quick=quick))
+    missing = run.missing(kept, wanted)
+    kept.run.wanted = len(wanted)
+    if done := len(wanted) - len(missing):
+        _say(f"{done} of {len(wanted)} measurements are there already")
     try:
-        for cell, reason in _progress(run.measured(begun, missing, folder), "measuring", len(missing)):
+        for cell, reason in _progress(run.measure(kept, missing, folder), "measuring", len(missing)):
             if reason:
                 failed.append(cell.key)
                 _say(f"vgroove: {cell.key}: {reason}")
     except KeyboardInterrupt:
-        _say(f"{len(wanted) - len(run.missing(begun, wanted))} of {len(wanted)} measurements are kept in {begun.path}")
+        _say(f"{len(wanted) - len(run.missing(kept, wanted))} of {len(wanted)} measurements are kept in {kept.path}")
         raise
     return failed
 
 
+def _cost_of_batch(*, quick: bool) -> list[Cell]:
+    """What ``vgroove batch`` costs, for docs/batch.md: the laboratory does not know it."""
+    from ..batch import cost
+    from ..lab.bench.cells import Table
+    from ..lab.bench.record import Cell
+
+    cell = Cell("figures/batch", lambda _folder: {"cost": Table(["what", "value"], cost.rows())})
+    return [] if quick else [cell]
+
+
 def _document(source: Path, folder: Path) -> None:
-    from ..lab.report import documents, findings
+    from ..lab.bench import record
+    from ..lab.report import documents, draw, published
 
     with _reading(source):
-        for path in documents.write(folder, findings.read(source)):
+        report = record.read(source)
+        for path in documents.write(folder, published.publish(report)):
             _say(f"wrote {path}")
+        draw.plot(report, folder / "docs")
 
 
 def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
     """The plots, page and text of a report.json. Exits 1 if a claim does not hold, in full, not by a quick one.
 
-    failed: measurements that could not be had, which is said first of all: RuntimeError, once all is drawn.
+    failed: measurements that failed, which is said first of all: RuntimeError, once all is drawn.
     """
     from ..lab.bench import record
     from ..lab.report import claims, draw, findings, summary
 
-    content = record.read(source)
     with _reading(source):
-        found = findings.read(source)
+        report = record.read(source)
+        found = findings.runs(report)
     pictures = None
     if importlib.util.find_spec("bpy"):
         _with_blender()
@@ -799,10 +812,10 @@ def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
     with _reading(source):
         broken = [(run, claim) for run in found for claim in claims.of(run) if not claim.holds]
         _make(folder / record.FILE)
-        for path in draw.draw(found, content["machine"], pictures, folder):
+        for path in draw.draw(report, pictures, folder):
             _say(f"wrote {path}")
         for run, claim in broken:
-            _say(f"{summary.title(run)}: {claim.text}")
+            _say(f"{summary.title(run.blender, quick=run.quick, lacks=run.lacks)}: {claim.text}")
     if failed:
         message = f"{len(failed)} measurements failed, {failed[0]} first; give the command again"
         raise RuntimeError(message)
@@ -811,10 +824,11 @@ def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
 
 
 def _compare(before: Path, after: Path) -> None:
+    from ..lab.bench import record
     from ..lab.report import compare, findings
 
     with _reading(before, after):
-        found, count = compare.changes(findings.read(before), findings.read(after))
+        found, count = compare.changes(*(findings.runs(record.read(path)) for path in (before, after)))
     verdicts = {True: "WORSE", False: "better", None: "new"}
     table = Table("Blender", "where", "what", "figure", "before", "after", "")
     for one in found:

@@ -168,7 +168,7 @@ def _moving() -> set[str]:
     return {base_name(name) for preset in shipped().values() if preset.time for name in preset.time.laws}
 
 
-def dress(item: Object, data: Mapping[str, Any]) -> None:
+def set_data(item: Object, data: Mapping[str, Any]) -> None:
     """Set the data of an object that has the universal material."""
     for name, value in data.items():
         item[name] = value

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...check import oren_nayar as check_oren_nayar
 from ...check import rows as check
-from . import Table, table
+from ..cells import Table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -34,7 +34,7 @@ def worst(plan: Iterable[tuple[Callable[..., Row], tuple[Any, ...]]], number: st
         row = measure(*arguments)
         if number == "sigma" or not check.fresnel_approximation(row.setup, row.fresnel) or row.test == "direct":
             found.setdefault((row.test, str(row.setup), row.m), []).append(row)
-    return table(
+    return Table(
         ["estimator", "setup", number, "worst", "bar"],
         [[*key, max(row.error for row in rows), max(row.bar for row in rows)] for key, rows in found.items()],
     )
