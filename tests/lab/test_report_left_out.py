@@ -11,7 +11,8 @@ from vgroove import headless
 from vgroove.addon.blender import material
 from vgroove.addon.choose import explain
 from vgroove.addon.library import presets
-from vgroove.lab.bench import left_out, universal
+from vgroove.lab.bench import left_out, record, universal
+from vgroove.lab.bench.cells import LeftOut, OmittedPart
 from vgroove.nodegroups import cook_torrance_closure, fresnel
 
 pytestmark = pytest.mark.blender
@@ -89,14 +90,13 @@ def test_what_is_put_back_does_nothing_and_is_there(blender):
         shown.cycles.shading_system = BACKEND == "osl"
         account = explain.explain(preset, shown, BACKEND)
         found, named = left_out._lines(shown, preset, account), left_out._lines(shown, preset, account, most=0)
-    whats = [line["what"].partition(":")[0] for line in found]
-    assert whats == [
+    assert [line.what.partition(":")[0] for line in found] == [
         "closure beside it", "Fresnel terms", "time", "diffuse part", "transmission", "random numbers", "lamp terms"
     ]  # fmt: skip
-    assert named == [{key: line[key] for key in ("what", "why")} for line in found]
-    assert all(line["same"] for line in found), found
-    assert all(line["nodes"] > 0 for line in found[1:]), found
-    assert found[0]["nodes"] == 0  # Cycles drops what only EEVEE shows
+    assert named == tuple(OmittedPart(what=line.what, why=line.why) for line in found)
+    assert all(line.same for line in found), found
+    assert all(line.nodes > 0 for line in found[1:]), found
+    assert found[0].nodes == 0  # Cycles drops what only EEVEE shows
 
 
 def test_switches_are_not_folded(blender):
@@ -158,11 +158,12 @@ def test_a_cell_is_what_json_can_hold(blender, monkeypatch):
     """Every number that the page needs, of a setup in small."""
     monkeypatch.setattr(left_out, "SIZE", 8)
     monkeypatch.setattr(left_out, "SAMPLES", {"nodes": 2})
-    found = left_out.setup(presets.find("glasses/frosted_glass"), "lamps", "nodes", 1)
-    assert json.loads(json.dumps(found, allow_nan=False)) == found
-    assert found["nodes"]["universal"] > 10 * found["nodes"]["built"]
-    assert found["same"]
-    assert found["first"]["ratio"] > 1.0  # it has some hundred times as many nodes to compile
+    found = left_out.setup("glass", presets.find("glasses/frosted_glass"), "lamps", "nodes", 1)
+    kept = json.loads(json.dumps(record.CODEC.unstructure(found), allow_nan=False))
+    assert record.CODEC.structure(kept, LeftOut).nodes == found.nodes
+    assert found.nodes[1] > 10 * found.nodes[0]
+    assert found.same
+    assert found.first > 1.0  # it has some hundred times as many nodes to compile
 
 
 def test_explain_has_the_numbers_as_json():
