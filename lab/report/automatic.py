@@ -27,6 +27,7 @@ HEAD = """\
 # What Automatic knows of each model: the bias of ``closure`` and ``fit``, as a share of the image, by kind of light, at
 # the values ``at`` of its roughness ``parameter``; and the kinds of light under which a report compared the two.
 # `make documents` writes this file from a report (lab/report/automatic.py). What no report measured is an estimate.
+# ``report``: the digest of the code that measured it, "" for numbers copied by hand from earlier reports.
 """
 
 
@@ -48,6 +49,7 @@ def updated(tables: Mapping[str, Any], published: Published) -> dict[str, Any]:
                     known = [bias for bias in measured if bias is not None]
                     if known:
                         values[index] = float(f"{np.sqrt(np.mean(np.square(known))):.2g}")
+    new["report"] = published.default.code.get("accuracy", "")
     new["measured"] = {}
     for light, of in scenes:
         if {"fit, nodes", "closure, nodes"} <= of.curves.keys():

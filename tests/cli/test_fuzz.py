@@ -34,7 +34,7 @@ from vgroove.batch.outcome import RECORD, Outcome
 from vgroove.headless import sequence
 
 LONGEST = 20  # seconds of a command; the slowest takes one on an idle machine
-REPORT = Path(__file__).parents[2] / "docs" / "report.json"
+REPORT = Path(__file__).parents[1] / "data" / "report.json"
 FUZZ = settings(
     max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
@@ -679,7 +679,7 @@ def test_a_gallery_takes_any_metadata(line, place, value):
 
 @pytest.fixture(scope="module")
 def small_report():
-    """A few cells of each part of the report in docs/."""
+    """A cell or two of each part of a report."""
     content = json.loads(REPORT.read_text(encoding="utf-8"))
     for run in content["runs"].values():
         kept, count = {}, {}
