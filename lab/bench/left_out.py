@@ -155,7 +155,7 @@ def setup(
     from ...addon.blender.course import Play
     from ...addon.blender.material import build
     from ...addon.choose import explain
-    from . import universal
+    from . import universal, universal_data
 
     with headless.quiet():
         shown = stage(name)
@@ -163,7 +163,7 @@ def setup(
         account = explain.explain(preset, shown, backend, estimator)
         play = Play("age", 1.0, LENGTH) if preset.time else None
         choice = replace(account.choice, play=play)
-        data = universal.data_of(preset, (FRAME - 1.0) / LENGTH, play)
+        data = universal_data.data_of(preset, (FRAME - 1.0) / LENGTH, play)
         pair = {"built": (build(preset, choice), data), "universal": (universal.build(choice), data)}
         first, full, pictures = _turns(shown, pair, rounds, backend)
         anew = _draws_anew(preset, choice)
@@ -221,7 +221,7 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None =
     from ...addon.blender.course import Play
     from ...addon.blender.material import build
     from ...addon.choose import explain
-    from . import universal
+    from . import universal, universal_data
 
     listed = list(_listed(account))
     most = len(listed) if most is None else most
@@ -230,8 +230,8 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None =
         return tuple(named)
     built, samples = build(preset, account.choice), SAMPLES[account.choice.backend]
     anew = _draws_anew(preset, account.choice)
-    start = universal.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
-    nothing = universal.data_of(None)
+    start = universal_data.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
+    nothing = universal_data.data_of(None)
     plain, seconds = _render(shown, built, nothing, samples)
     for index, (_, part) in enumerate(listed[:most]):
         if part == "time":
@@ -260,12 +260,12 @@ def _render(
 ) -> tuple[NDArray[np.float64], float]:  # fmt: skip
     """The picture, and the processor seconds that it took."""
     from ...addon.blender import gonio
-    from . import universal
+    from . import universal_data
 
     ball = _ball(shown)
     if ball.active_material != made:
         ball.active_material = made
-        universal.set_data(ball, data)
+        universal_data.set_data(ball, data)
         shown.view_layers[0].update()
     shown.cycles.samples, shown.cycles.seed = samples, SEED
     start = time.process_time()
@@ -319,7 +319,7 @@ def _child(identity: str, which: str) -> float:
     from ...addon.choose import explain
     from ...addon.library import presets
     from ...headless import memory
-    from . import universal
+    from . import universal, universal_data
 
     preset = presets.find(identity)
     with headless.quiet():
@@ -329,7 +329,7 @@ def _child(identity: str, which: str) -> float:
         before = memory.held()
         memory.reset_peak()
         made = build(preset, choice) if which == "built" else universal.build(choice)
-        _render(shown, made, universal.data_of(preset), 1)
+        _render(shown, made, universal_data.data_of(preset), 1)
     return (memory.peak() - before) / 2**20
 
 
