@@ -48,9 +48,8 @@ across: | $(UV)  ## twenty presets by each Blender, and how far apart they are
 	$(RUN_45) python tools/across_blenders.py render build/across
 	$(RUN) python tools/across_blenders.py compare build/across
 
-documents: | $(UV)  ## what `make report` measured into docs/, and its figures into the pages that tell them
-	cp build/report/report.json docs/report.json
-	$(RUN) vgroove report --from docs/report.json --documents .
+documents: | $(UV)  ## what `make report` measured into docs/, its figures into every page, its biases into Automatic
+	$(RUN) vgroove report --from build/report/report.json --documents .
 
 previews: | $(UV)  ## a picture of every preset that has none yet or has changed, for the panel and the asset library
 	$(RUN) python tools/previews.py

@@ -21,7 +21,7 @@ from .terminal import out, progress, say
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from ..lab.bench.record import Record
+    from ..lab.bench.record import Cell, Record
 
 
 class Part(StrEnum):
@@ -101,41 +101,54 @@ def _measure(output: Path, again: list[Part], *, quick: bool) -> None:
 
     file = output / record.FILE
     make_folder_of(file)
-    content = record.begun(file, versions()["blender"], quick=quick, again=[str(part) for part in again])
-    failed = _measure_missing(content, output, quick=quick)
+    kept = record.open_or_create(file, versions()["blender"], quick=quick, again=[str(part) for part in again])
+    failed = _measure_missing(kept, output, quick=quick)
     _draw(file, output, failed)
 
 
-def _measure_missing(content: Record, folder: Path, *, quick: bool) -> list[str]:
+def _measure_missing(kept: Record, folder: Path, *, quick: bool) -> list[str]:
     """Measure the cells that a record lacks; returns the keys of those that failed."""
     start_blender()
     from ..lab.bench import run
 
     failed = []
-    wanted = run.cells(quick=quick)
-    missing = run.missing(content, wanted)
-    content.expect(len(wanted))
-    if kept := len(wanted) - len(missing):
-        say(f"{kept} of {len(wanted)} measurements are there already")
+    wanted = run.cells(quick=quick, more=_cost_of_batch(quick=quick))
+    missing = run.missing(kept, wanted)
+    kept.run.wanted = len(wanted)
+    if done := len(wanted) - len(missing):
+        say(f"{done} of {len(wanted)} measurements are there already")
     try:
-        for cell, reason in progress(run.measured(content, missing, folder), "measuring", len(missing)):
+        for cell, reason in progress(run.measure(kept, missing, folder), "measuring", len(missing)):
             if reason:
                 failed.append(cell.key)
                 say(f"vgroove: {cell.key}: {reason}")
     except KeyboardInterrupt:
-        kept = len(wanted) - len(run.missing(content, wanted))
-        say(f"{kept} of {len(wanted)} measurements are kept in {content.path}")
+        done = len(wanted) - len(run.missing(kept, wanted))
+        say(f"{done} of {len(wanted)} measurements are kept in {kept.path}")
         raise
     return failed
 
 
+def _cost_of_batch(*, quick: bool) -> list[Cell]:
+    """What ``vgroove batch`` costs, for docs/batch.md: the laboratory does not know it."""
+    from ..batch import cost
+    from ..lab.bench.cells import Table as Figures
+    from ..lab.bench.record import Cell
+
+    cell = Cell("figures/batch", lambda _folder: {"cost": Figures(["what", "value"], cost.rows())})
+    return [] if quick else [cell]
+
+
 def _write_documents(source: Path, folder: Path) -> None:
     """Write a report's figures between their marks in the documents."""
-    from ..lab.report import documents, findings
+    from ..lab.bench import record
+    from ..lab.report import documents, draw, published
 
     with _damage_named(source):
-        for path in documents.write(folder, findings.read(source)):
+        report = record.read(source)
+        for path in documents.write(folder, published.publish(report)):
             say(f"wrote {path}")
+        draw.plot(report, folder / "docs")
 
 
 def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
@@ -146,9 +159,9 @@ def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
     from ..lab.bench import record
     from ..lab.report import claims, draw, findings, summary
 
-    content = record.read(source)
     with _damage_named(source):
-        found = findings.read(source)
+        report = record.read(source)
+        found = findings.runs(report)
     pictures = None
     if importlib.util.find_spec("bpy"):
         start_blender()
@@ -158,10 +171,10 @@ def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
     with _damage_named(source):
         broken = [(run, claim) for run in found for claim in claims.of(run) if not claim.holds]
         make_folder_of(folder / record.FILE)
-        for path in draw.draw(found, content["machine"], pictures, folder):
+        for path in draw.draw(report, pictures, folder):
             say(f"wrote {path}")
         for run, claim in broken:
-            say(f"{summary.title(run)}: {claim.text}")
+            say(f"{summary.title(run.blender, quick=run.quick, lacks=run.lacks)}: {claim.text}")
     if failed:
         message = f"{len(failed)} measurements failed, {failed[0]} first; give the command again"
         raise RuntimeError(message)
@@ -171,10 +184,11 @@ def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
 
 def _compare(before: Path, after: Path) -> None:
     """Print the figures that two reports differ in. Exits 1 if one is worse or gone."""
+    from ..lab.bench import record
     from ..lab.report import compare, findings
 
     with _damage_named(before, after):
-        found, count = compare.changes(findings.read(before), findings.read(after))
+        found, count = compare.changes(*(findings.runs(record.read(path)) for path in (before, after)))
     verdicts = {True: "WORSE", False: "better", None: "new"}
     table = Table("Blender", "where", "what", "figure", "before", "after", "")
     for one in found:

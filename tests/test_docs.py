@@ -2,9 +2,9 @@
 """Documents: examples run, links and paths exist, and every figure comes from the report."""
 
 import doctest
-import json
 import re
 import textwrap
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from vgroove.addon.blender import material
 from vgroove.addon.library import presets
 from vgroove.lab.bench import figures
 from vgroove.lab.bench.record import ReportError
-from vgroove.lab.report import documents, draw, findings, plots, summary
+from vgroove.lab.report import documents, published, summary
 
 ROOT = Path(__file__).parent.parent
 PAGES = ["README.md", "CONTRIBUTING.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").glob("*.md"))]
@@ -143,7 +143,7 @@ NOT_PROSE = re.compile(r"```.*?```|^    .*?$|`[^`\n]*`|\]\([^)]*\)", re.DOTALL |
 
 @pytest.fixture(scope="module")
 def reported():
-    return findings.read(ROOT / "docs" / "report.json")
+    return published.read(ROOT / published.FILE)
 
 
 def test_every_figure_in_readme_and_docs_comes_from_the_report(reported):
@@ -163,43 +163,44 @@ def test_every_figure_in_readme_and_docs_comes_from_the_report(reported):
     assert marked == documents.FIGURES.keys()
 
 
-@pytest.mark.once
-def test_the_report_in_docs_is_drawn_from_its_numbers(reported, tmp_path):
-    machine = json.loads((ROOT / "docs" / "report.json").read_text(encoding="utf-8"))["machine"]
-    found = draw.told(reported)
-    drawn = {run.blender: plots.draw(run, tmp_path) for run in found}
-    assert (ROOT / "docs" / "report.md").read_text(encoding="utf-8") == summary.markdown(found, machine, drawn)
-    assert not any(run.quick for run in reported)
-    assert (ROOT / "docs" / "report.json").stat().st_size < 1_000_000
+def test_the_report_in_docs_is_a_summary_of_its_numbers(reported):
+    """Of a few pages, with a plot of each kind for each Blender; the numbers are a small file."""
+    text = (ROOT / "docs" / summary.FILE).read_text(encoding="utf-8")
+    assert text == summary.markdown(reported)
+    assert len(text.encode()) < 30_000
+    assert {path.stem for path in (ROOT / "docs" / "plots").glob("*.png")} == {
+        f"{kind}-{blender}" for kind in summary.KINDS for blender in reported.runs
+    }
+    assert not any(run.quick for run in reported.runs.values())
+    assert (ROOT / published.FILE).stat().st_size < published.LONGEST_FILE
+    assert published.to_json(reported) == (ROOT / published.FILE).read_text(encoding="utf-8")
 
 
 def test_the_report_in_docs_is_whole_and_of_the_same_code_on_every_blender(reported):
     """Else figures of different programs would stand beside each other."""
-    runs = json.loads((ROOT / "docs" / "report.json").read_text(encoding="utf-8"))["runs"]
-    first, *others = runs.values()
-    for run in others:
-        assert run["code"] == first["code"]
-        assert run["cells"].keys() == first["cells"].keys()
-    assert not any(run.lacks for run in reported)
+    published.require_one_program(reported)
+    assert not any(run.lacks for run in reported.runs.values())
+    blender, run = list(reported.runs.items())[-1]
+    for other in (replace(run, code={}), replace(run, keys=run.keys | {"picks": []})):
+        with pytest.raises(ReportError, match=f"Blender {blender} and .* have different"):
+            published.require_one_program(replace(reported, runs=reported.runs | {blender: other}))
 
 
 @pytest.mark.parametrize("name", ["errata", "oren_nayar", "fit"])
-def test_what_is_computed_is_computed_anew(name, reported):
-    """Of what needs no render: to the last digit that is told, and more."""
-    assert name in reported[0].tables
-    for run in (run for run in reported if name in run.tables):
-        for title, table in figures.measure(ROOT, name)["tables"].items():
-            kept = run.tables[name][title]
-            assert kept["columns"] == table["columns"]
-            np.testing.assert_allclose(kept["rows"], table["rows"], rtol=1e-7, atol=1e-9)
+def test_what_is_computed_is_computed_again(name, reported):
+    """Of what needs no render: to the last digit that is shown, and more."""
+    for title, table in figures.measure(ROOT, name).items():
+        kept = reported.default.tables[name][title]
+        assert kept.columns == table.columns
+        np.testing.assert_allclose(kept.rows, table.rows, rtol=1e-7, atol=1e-9)
 
 
 def test_what_is_no_figure_of_a_report_is_said(reported):
     mark = "<!-- report {} -->old<!-- /report -->"
     with pytest.raises(ReportError, match=r"there is no figure nothing; there are summary, fit\.gentle"):
         documents.rewritten(mark.format("nothing"), reported)
-    with pytest.raises(ReportError, match=r"has not measured what fit\.rough tells"):
-        documents.rewritten(mark.format("fit.rough"), [])
+    with pytest.raises(ReportError, match=r"has not measured fit\.rough"):
+        documents.rewritten(mark.format("fit.rough"), replace(reported, runs={}))
     new = documents.rewritten(f"within {mark.format('fit.rough')}, never {mark.format('fit.gentle')}", reported)
     assert re.fullmatch(r"within <!-- report fit.rough -->[\d.]+ %<!-- /report -->, never .*", new)
     assert "old" not in new

@@ -32,8 +32,8 @@ def test_the_rule_holds(rule):
 @pytest.mark.parametrize(
     ("importer", "imported", "wrong"),
     [
-        ("reference", "models", True), ("models", "reference", False), ("blender", "lab", True), ("ui", "headless", True),
-        ("lab", "batch", True), ("cli", "lab", False), ("nodegroups", "nodegroups", False),
+        ("reference", "models", True), ("models", "reference", False), ("blender", "lab", True),
+        ("ui", "headless", True), ("lab", "batch", True), ("cli", "lab", False), ("nodegroups", "nodegroups", False),
     ],
 )  # fmt: skip
 def test_an_import_that_climbs_is_seen(importer, imported, wrong):

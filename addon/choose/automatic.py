@@ -11,7 +11,9 @@ Fit's bias is smaller and its samples take longer, so it is taken where the nois
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,33 +29,19 @@ if TYPE_CHECKING:
     from ..blender.facts import SceneFacts
     from ..library.presets import Preset
 
-# Bias as a share of the image, rounded from docs/report.md: copper, plaster and plastic under an even world, one with a
-# picture, and lights. m = 1, sigmas other than 0.35, and an even world at slopes other than 0.3 are estimates.
-SLOPES, SIGMAS = (0.1, 0.3, 0.6, 1.0), (0.1, 0.35, 0.6, 1.0)
-FACETS: dict[str, dict[str, tuple[float, ...]]] = {  # Cook-Torrance, at SLOPES
-    "even": {"closure": (0.019, 0.024, 0.07, 0.12), "fit": (0.0024, 0.0041, 0.01, 0.015)},
-    "picture": {"closure": (0.0003, 0.0085, 0.028, 0.06), "fit": (0.0003, 0.0055, 0.014, 0.015)},
-    "lights": {"closure": (0.0001, 0.0015, 0.043, 0.13), "fit": (0.0002, 0.0021, 0.029, 0.029)},
-}
-DIFFUSE: dict[str, dict[str, tuple[float, ...]]] = {  # Oren-Nayar, at SIGMAS
-    "even": {"closure": (0.003, 0.028, 0.1, 0.2), "fit": (0.0001, 0.0004, 0.001, 0.002)},
-    "picture": {"closure": (0.006, 0.05, 0.12, 0.22), "fit": (0.001, 0.0047, 0.008, 0.01)},
-    "lights": {"closure": (0.004, 0.022, 0.1, 0.2), "fit": (0.001, 0.005, 0.008, 0.01)},
-}
+TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+# Bias as a share of the image, by kind of light and estimator; for Cook-Torrance at SLOPES, for Oren-Nayar at SIGMAS.
+FACETS: dict[str, dict[str, list[float]]] = TABLES["models"]["cook_torrance"]["bias"]
+DIFFUSE: dict[str, dict[str, list[float]]] = TABLES["models"]["oren_nayar"]["bias"]
+SLOPES, SIGMAS = (TABLES["models"][model]["at"] for model in ("cook_torrance", "oren_nayar"))
+# The kinds of light under which each model was measured. Elsewhere the tables above, measured with other materials,
+# give an estimate, and no comparison is shown.
+MEASURED: dict[str, list[str]] = TABLES["measured"]
 # Under an even world a dielectric's bias and noise are this many times as large: its reflectance rises toward grazing
 # angles, where closure is wrong and fit keeps the albedo.
 DIELECTRIC, DIELECTRIC_NOISE = {"closure": 2.0, "fit": 0.25}, 1.8
 SKY_SHARE = 0.2  # a sky's share of the light beside lights
 FIT_TIME = 1.2  # time of a sample by fit over one by closure: measured are 1.14 to 1.27 (tests/lab/test_fit_speed.py)
-# The kinds of light under which each model was measured (docs/report.json). Elsewhere the tables above, measured with
-# other materials, give an estimate, and no comparison is shown.
-MEASURED = {
-    "cook_torrance": {"even", "picture", "lights", "picture and lights"},
-    "oren_nayar": {"even", "picture", "lights", "picture and lights"},
-    "sum": {"even", "picture", "lights"},
-    "car_paint": {"picture", "lights"},
-    "translucent": {"picture"},
-}
 UNDER = {
     "even": "under an even sky",
     "picture": "under an environment map",

@@ -1,22 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error against run time: each scene and subject by each estimator, backend and peer, from 4 to 4096 samples a pixel.
 
-A cell holds, for each contender, one number a sample count: ``bias``, ``noise`` and ``rmse`` as ``statistics`` defines
-them, FLIP of the judged pixels, and seconds of the render call, by the wall and by the processor (median of seeds). A
-render of one sample goes before each contender's, which loads and compiles it. Seeds go round all contenders, so that
-what else the machine does falls on all alike. ``mirror`` takes more of them afterwards, without the clock, until it is
-known how its noise falls with samples.
+``statistics`` defines bias and noise; times are those of the render call. Each contender first renders one sample,
+which loads and compiles it. Seeds go round all contenders, so other work on the machine slows all of them alike.
+``mirror`` then renders more seeds, untimed, until the slope of its noise over samples is known.
 
-The truth is the reference's: in a furnace its albedo, of an opaque ball the integral of ``truth``, several times by
-random numbers of their own. Of what light goes through there are pictures by ``mirror`` in its place, which ``vgroove
-check`` holds against the reference.
+The truth is the reference's: its albedo in a furnace; the integral of ``truth`` for an opaque ball, several times with
+independent random numbers. For what light passes through it is pictures by ``mirror``, which ``vgroove check`` compares
+with the reference.
 """
 
 from __future__ import annotations
 
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -27,11 +25,13 @@ from ... import headless
 from ...addon.blender import gonio, images
 from ...addon.library.files import replacing
 from ...addon.reference import albedo
-from . import contenders, mitsuba_peer, statistics, truth
-from .contenders import Contender
+from . import contenders, mitsuba_peer, mitsuba_scenes, statistics, truth
+from .cells import Accuracy, Contender, Pictures
+from .contenders import Rival
 from .flip import flip
 from .mitsuba_peer import Peer, PeerError
 from .record import Cell
+from .scene_table import SCENES
 from .scenes import stage
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def cells(*, quick: bool) -> list[Cell]:
     ]
 
 
-def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, Any]:
+def measure(folder: Path, name: str, subject: str, *, quick: bool) -> Accuracy:
     """One scene and subject."""
     counts = contenders.counts(quick=quick)
     preset = contenders.subjects()[subject]
@@ -75,23 +75,28 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, 
         other, without = _mitsuba(stack, name, preset)
         with stage(name, size_of(subject)) as shown:
             backends = ("nodes", "osl") if (name, subject) in BOTH_BACKENDS else ("nodes",)
-            rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.peers(preset)]
+            rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.native(preset)]
             truths = truths_of(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
             found = _race(shown, rivals, counts)
-            slope = {} if name in statistics.SELDOM else _slope(shown, rivals, counts, found)
+            slope_error = None if SCENES[name].rarely_hit else _slope_error(shown, rivals, counts, found)
             if other is not None:
                 rivals.append(other.contender)
                 found[other.contender.label] = other.race(name, counts, size_of(subject))
             scored = {rival.label: _scored(rival, found[rival.label], counts, truths, shown) for rival in rivals}
-            scored[MIRROR] |= slope
+            scored[MIRROR] = replace(scored[MIRROR], slope_error=slope_error)
         drawn = None if name == "furnace" else pictures(folder, name, subject, preset, other)
-    return {
-        "scene": name, "subject": subject, "preset": preset.id, "model": preset.model, "m": preset.m,
-        "size": size_of(subject), "samples": list(counts), "seeds": [_seeds(samples) for samples in counts],
-        "first_seed": 1, "truth": _said(name, preset), "independent": _is_computed(name, preset),
-        "first_truth_seed": FIRST_TRUTH, "without": without,
-        "contenders": scored, "pictures": drawn,
-    }  # fmt: skip
+    return Accuracy(
+        scene=name, subject=subject, model=preset.model, roughness=roughness_of(preset), size=size_of(subject),
+        samples=counts,
+        seeds=tuple(map(_seeds, counts)), truth=_source_of_truth(name, preset), independent=_is_computed(name, preset),
+        smooth=preset.transparent and preset.m == 0.0, contenders=scored, without=without, pictures=drawn,
+    )  # fmt: skip
+
+
+def roughness_of(preset: Preset) -> dict[str, float]:
+    """Its slope m and sigma, those that it has."""
+    found: dict[str, Any] = preset.parameters
+    return {name: float(found[name]) for name in ("m", "sigma") if name in found}
 
 
 def size_of(subject: str) -> int:
@@ -129,7 +134,7 @@ class Taken:
     cpu: list[float] = field(default_factory=list)
 
 
-def _race(shown: Stage, rivals: list[Contender], counts: tuple[int, ...]) -> dict[str, list[Taken]]:
+def _race(shown: Stage, rivals: list[Rival], counts: tuple[int, ...]) -> dict[str, list[Taken]]:
     """Of each contender what it took at each count."""
     made: dict[str, Material] = {rival.label: rival.make(shown.scene) for rival in rivals}
     found = {rival.label: [Taken() for _ in counts] for rival in rivals}
@@ -147,10 +152,8 @@ def _race(shown: Stage, rivals: list[Contender], counts: tuple[int, ...]) -> dic
     return found
 
 
-def _slope(
-    shown: Stage, rivals: list[Contender], counts: tuple[int, ...], found: dict[str, list[Taken]]
-) -> dict[str, Any]:
-    """How well the slope of ``mirror``'s noise is known, after as many pictures more as that takes; no clock runs."""
+def _slope_error(shown: Stage, rivals: list[Rival], counts: tuple[int, ...], found: dict[str, list[Taken]]) -> float:
+    """Standard error of the slope of ``mirror``'s noise, after as many more pictures as that takes, untimed."""
     (mirror,) = (rival for rival in rivals if rival.label == MIRROR)
     shown.item.active_material = mirror.make(shown.scene)
     shown.scene.cycles.shading_system = mirror.osl
@@ -165,7 +168,7 @@ def _slope(
             error = statistics.slope(seen)[1]
             if error <= SLOPE_KNOWN:
                 break
-    return {"slope_error": error}
+    return float(error)
 
 
 @dataclass(frozen=True)
@@ -176,11 +179,11 @@ class Other:
     bsdf: dict[str, Any]
 
     @property
-    def contender(self) -> Contender:
+    def contender(self) -> Rival:
         kind = self.bsdf["type"]
         quickest = "" if self.peer.variant == mitsuba_peer.VARIANTS[0] else ", not its quickest variant"
         differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({self.peer.version}, {self.peer.variant}{quickest})"
-        return Contender("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
+        return Rival("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
 
     def race(self, name: str, counts: tuple[int, ...], size: int) -> list[Taken]:
         """As ``_race``: after Cycles, as each takes all cores."""
@@ -198,7 +201,7 @@ class Other:
 
 def _mitsuba(stack: ExitStack, name: str, preset: Preset) -> tuple[Other | None, str]:
     """Mitsuba until the stack is left, if it has the scene and something like the preset; or why not."""
-    if name not in mitsuba_peer.SCENES:
+    if name not in mitsuba_scenes.SCENES:
         return None, "Mitsuba has no gonioreflectometer"
     try:
         bsdf = mitsuba_peer.nearest(preset)
@@ -232,40 +235,40 @@ def _render(shown: Stage, samples: int, seed: int) -> tuple[NDArray[np.float64],
 
 
 def _scored(
-    rival: Contender, found: list[Taken], counts: tuple[int, ...], truths: NDArray[np.float64], shown: Stage
-) -> dict[str, Any]:
-    """What a contender errs by, and the time that it takes, at each sample count."""
+    rival: Rival, found: list[Taken], counts: tuple[int, ...], truths: NDArray[np.float64], shown: Stage
+) -> Contender:
+    """A contender's bias, noise and time at each sample count."""
     exact, reference = truths[:, shown.seen], truths.mean(axis=0)
     errors = [statistics.error(np.stack(taken.pictures)[:, shown.seen], exact) for taken in found]
-    return {
-        "estimator": rival.estimator, "backend": rival.backend, "peer": rival.peer, "differs": rival.differs,
-        "seeds": [len(taken.pictures) for taken in found],
-        "rmse": [one.rmse for one in errors],
-        "bias2": [one.bias2 for one in errors], "bias2_error": [one.bias2_error for one in errors],
-        "noise": [one.noise for one in errors],
-        "resolved": statistics.resolved([one.noise for one in errors], counts),
-        "flip": [float(np.mean([flip(reference, one, shown.seen) for one in taken.pictures])) for taken in found],
-        "wall": [float(np.median(taken.wall)) for taken in found],
-        "cpu": [float(np.median(taken.cpu)) for taken in found],
-        "cpu_spread": [float(np.std(taken.cpu, ddof=1) / np.mean(taken.cpu)) for taken in found],
-    }  # fmt: skip
+    return Contender(
+        estimator=rival.estimator, backend=rival.backend, peer=rival.peer, differs=rival.differs,
+        seeds=np.array([float(len(taken.pictures)) for taken in found]),
+        bias2=np.array([one.bias2 for one in errors]),
+        bias2_error=np.array([one.bias2_error for one in errors]),
+        noise=np.array([one.noise for one in errors]),
+        resolved=np.array(statistics.resolved([one.noise for one in errors], counts)),
+        flip=np.array([np.mean([flip(reference, one, shown.seen) for one in taken.pictures]) for taken in found]),
+        wall=np.array([np.median(taken.wall) for taken in found]),
+        cpu=np.array([np.median(taken.cpu) for taken in found]),
+        cpu_spread=np.array([np.std(taken.cpu, ddof=1) / np.mean(taken.cpu) for taken in found]),
+    )  # fmt: skip
 
 
-def _said(name: str, preset: Preset) -> str:
+def _source_of_truth(name: str, preset: Preset) -> str:
     if name == "furnace":
         return "the reference's directional albedo at each pixel's direction"
     if truth.has(preset, name):
-        return f"the reference's integral over lights and directions, {TRUTHS} times by other random numbers"
+        return f"the reference's integral over lights and directions, {TRUTHS} times with independent random numbers"
     return f"{TRUTHS} independent pictures by mirror"
 
 
-def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other | None) -> dict[str, Any]:
+def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other | None) -> Pictures:
     """Larger pictures to look at, as linear EXRs in the report's folder: the truth, and each contender in SVM."""
     target = folder / "pictures" / bpy.app.version_string.split()[0]
     target.mkdir(parents=True, exist_ok=True)
     with stage(name, PICTURE_SIZE) as shown:
         drawn = {"reference": _true(shown, name, preset, FIRST_TRUTH, fewer=LOOKED_AT)}
-        for rival in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.peers(preset)):
+        for rival in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.native(preset)):
             shown.item.active_material = rival.make(shown.scene)
             drawn[rival.label] = _render(shown, PICTURE_SAMPLES, 1)[0]
         if truth.has(preset, name):  # which ends with the judged pixels; around them there is what has the least noise
@@ -279,4 +282,4 @@ def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other
         with replacing(path) as temporary:
             images.write(temporary, picture.astype(np.float32), {})
         files[label] = path.relative_to(folder).as_posix()
-    return {"samples": PICTURE_SAMPLES, "files": files}
+    return Pictures(samples=PICTURE_SAMPLES, files=files)

@@ -1,50 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The default material in everyday scenes, beside the nearest material of Cycles' own nodes, wired by hand.
-
-A cell is one scene:
-
-    {"scene": "sun", "title": "sun",
-     "subjects": [{"subject": "copper", "estimator": "fit", "mean": [1.003, ...], "doubt": [0.002, ...],
-                   "band": [0.95, 1.05], "apart": 0.01, "bar": 0.05, "black": 0, "bright": 0, "time": 1.12,
-                   "said": []}]}
-
-mean: over the pixels that show the material, our mean over the native material's, by channel; doubt: its standard
-error. band: where the mean should be: within 5 %, or as far off as the models themselves are. apart: by what share of
-the native one's light the two pictures differ pixel by pixel, less what noise makes of it; bar: 5 %, or what the models
-themselves differ by. black, bright: how many pixels are so where the native material's are not. time: ours over the
-native material's, the median of rounds that take turns; null where it is not measured. said: warnings that are not
-right in this scene.
-"""
+"""The default material in everyday scenes, beside the nearest material of Cycles' own nodes, wired by hand."""
 
 from __future__ import annotations
 
 import statistics
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache, partial
-from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mathutils import Color
 
 from ... import headless
 from ...addon.blender import gonio, material, slots
+from ...addon.blender.material import BUILDERS
 from ...addon.library import presets
 from ...addon.reference.estimators import rendered as brdf
-from ...addon.reference.fresnel import F82_COSINE, schlick
-from ...addon.reference.oren_nayar_fit import closure_roughness
 from ...headless import assignment
 from ...nodegroups import versions
-from . import contenders, everyday_scenes  # noqa: F401 - fills SCENES
+from . import contenders, everyday_lights, everyday_settings, everyday_surfaces, peers  # noqa: F401 - fill SCENES
+from .cells import Everyday
 from .everyday_stage import SAMPLES, SCENES, SIZE, prepare, shaded
 from .record import Cell
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
     from pathlib import Path
 
-    from bpy.types import Material, NodeSocket, Scene, ShaderNodeTree
+    from bpy.types import Material, Scene
     from numpy.typing import NDArray
 
     from ...addon.library.presets import Preset
@@ -77,7 +60,7 @@ class Seen:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What our picture is beside the native one, as a cell has it."""
+    """Our picture beside the native one. mean: ours over the native one's, by channel; doubt: its standard error."""
 
     mean: tuple[float, ...]
     doubt: tuple[float, ...]
@@ -90,19 +73,24 @@ def cells(*, quick: bool) -> list[Cell]:
     return [Cell(f"everyday/{name}", partial(measure, name)) for name in (QUICK if quick else SCENES)]
 
 
-def measure(name: str, _folder: Path | None = None) -> dict[str, Any]:
-    """One scene with all of its subjects; with none where this Blender cannot make it."""
-    one, found = SCENES[name], []
-    for subject in one.subjects if versions.since(*one.since) else ():
-        with headless.quiet():
-            seen = look(name, subject)
-            slower = time_over_native(name, subject) if one.timed else None
-        found.append(
-            {"subject": subject, "estimator": seen.estimator}
-            | asdict(judge(seen.ours, seen.natives, seen.where))
-            | {"band": band(subject), "bar": bar(subject), "time": slower, "said": seen.said}
-        )
-    return {"scene": name, "title": one.title, "subjects": found}
+def measure(name: str, _folder: Path | None = None) -> tuple[Everyday, ...]:
+    """One scene with all of its subjects; none where this Blender cannot make it."""
+    one = SCENES[name]
+    return tuple(_measured(name, subject) for subject in one.subjects if versions.since(*one.since))
+
+
+def _measured(name: str, subject: str) -> Everyday:
+    one = SCENES[name]
+    with headless.quiet():
+        seen = look(name, subject)
+        slowdown = time_over_native(name, subject) if one.timed else None
+    verdict = judge(seen.ours, seen.natives, seen.where)
+    mean, doubt = max(zip(verdict.mean, verdict.doubt, strict=True), key=lambda of: abs(of[0] - 1.0))
+    return Everyday(
+        scene=name, title=one.title, subject=subject, estimator=seen.estimator, mean=mean, doubt=doubt,
+        band=band(subject), apart=verdict.apart, bar=bar(subject), black=verdict.black, bright=verdict.bright,
+        slowdown=slowdown, warnings=tuple(seen.said),
+    )  # fmt: skip
 
 
 def preset_of(subject: str) -> Preset:
@@ -189,69 +177,8 @@ def native(preset: Preset) -> Material:
     made = versions.empty_material(f"Native {preset.name}")
     tree = made.node_tree
     output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(_shader(tree, preset), output.inputs["Surface"])
+    tree.links.new(peers.of(preset).native(tree, preset), output.inputs["Surface"])
     return made
-
-
-def _shader(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
-    of: dict[str, Any] = preset.parameters
-    if preset.model == "oren_nayar":
-        return _bsdf(tree, "Diffuse", Color=colour(of["albedo"]), Roughness=float(closure_roughness(of["sigma"])))
-    if preset.model == "glass":
-        numbers = {"IOR": of["eta"], "Roughness": sqrt(of["m"])}
-        return _bsdf(tree, "Glass", {"distribution": "BECKMANN"}, Color=colour(of["tint"]), **numbers)
-    if preset.model == "cook_torrance":
-        return _metallic(tree, preset)
-    parts = list(preset.parts().values())
-    weights = [of["d"], of["s"]] if preset.model == "sum" else [1.0, *(of[f"s_{k}"] for k in range(1, len(parts)))]
-    total, *others = (_share(tree, _shader(tree, part), w) for part, w in zip(parts, weights, strict=True))
-    for other in others:
-        node = tree.nodes.new("ShaderNodeAddShader")
-        tree.links.new(total, node.inputs[0])
-        tree.links.new(other, node.inputs[1])
-        total = node.outputs[0]
-    return total
-
-
-def _metallic(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
-    """F82, exact head-on and at 82 degrees, of any kind of Fresnel term; a dielectric's own where Cycles has it."""
-    if preset.kind == "dielectric" and versions.EXACT_CONDUCTOR:
-        eta: Any = preset.parameters["eta"]
-        numbers = {"IOR": (eta,) * 3, "Extinction": (0.0,) * 3, "Roughness": sqrt(preset.m)}
-        return _bsdf(
-            tree, "Metallic", {"distribution": "BECKMANN", "fresnel_type": "PHYSICAL_CONDUCTOR"}, **numbers
-        )  # fmt: skip
-    reflectance = preset.reference_fresnel()
-    head_on, edge = (np.asarray(colour(reflectance(cos).tolist())[:3]) for cos in (1.0, F82_COSINE))
-    tint = np.clip(edge / schlick(F82_COSINE, np.clip(head_on, 0.0, 1.0)), 0.0, 1.0)
-    return _bsdf(
-        tree, "Metallic", {"distribution": "BECKMANN", "fresnel_type": "F82"}, Roughness=sqrt(preset.m),
-        **{"Base Color": (*head_on, 1.0), "Edge Tint": (*tint, 1.0)},
-    )  # fmt: skip
-
-
-def _bsdf(
-    tree: ShaderNodeTree, kind: str, properties: dict[str, str] | None = None, /, **inputs: Any
-) -> NodeSocket:  # fmt: skip
-    node = tree.nodes.new(f"ShaderNodeBsdf{kind}")
-    for name, value in (properties or {}).items():
-        setattr(node, name, value)
-    for name, value in inputs.items():
-        node.inputs[name].default_value = value
-    return node.outputs[0]
-
-
-def _share(tree: ShaderNodeTree, shader: NodeSocket, weight: float) -> NodeSocket:
-    """That much of a shader, and for the rest none."""
-    node = tree.nodes.new("ShaderNodeMixShader")
-    node.inputs[0].default_value = weight
-    tree.links.new(shader, node.inputs[2])
-    return node.outputs[0]
-
-
-def colour(linear: Sequence[float]) -> tuple[float, ...]:
-    """A colour of linear Rec.709 in the file's working space, with an alpha of 1."""
-    return (*Color(tuple(linear)[:3]).from_rec709_linear_to_scene_linear(), 1.0)
 
 
 # --- judgement ------------------------------------------------------------------------------------------------------
@@ -308,9 +235,9 @@ def bar(subject: str) -> float:
 
 
 def _balls(subject: str) -> Iterator[tuple[Floats, Floats]]:
-    """``of_ball`` from every side that light comes from; none of glass, which Automatic gives as Cycles has it."""
+    """``of_ball`` from every side that light comes from; none of a model without a fit, which is shown as it is."""
     preset = preset_of(subject)
-    if preset.model != "glass":
+    if {"fit", "closure"} <= BUILDERS[preset.model].keys():
         yield from (of_ball(preset.reference(), angle) for angle in np.arange(0.0, BACK + 1.0, 10.0))
 
 

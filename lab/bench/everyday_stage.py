@@ -7,8 +7,10 @@ in the material or in how the picture is taken, it returns a ``Shot`` that says 
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import dataclass
 from math import radians
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -29,6 +31,7 @@ MODERN = versions.since(5, 0)  # 4.5 has other names for some things
 NAME = "Subject"
 LENS = 170.0  # of the start scene's camera, 11.2 m away: a unit ball fills the picture
 SIZE, SAMPLES = 32, 32
+SAYS_FRESNEL = ("approximate this Fresnel term",) if not versions.EXACT_CONDUCTOR else ()  # true there
 SLOPES = (0.1, 0.4)  # of the two halves of a checkered surface
 
 
@@ -47,7 +50,7 @@ class Shot:
 
 
 @dataclass(frozen=True)
-class Everyday:
+class Scenario:
     """A scene and the presets that are tried in it.
 
     says: words of the warnings that are right here. since: the first Blender that can do it. slow: tested on
@@ -63,20 +66,20 @@ class Everyday:
     timed: bool = False
 
 
-SCENES: dict[str, Everyday] = {}  # those that ``everyday`` has met
+SCENES: dict[str, Scenario] = {}  # filled by ``everyday``
 
 
 def everyday(title: str, *subjects: str, **more: Any) -> Callable[[Any], Any]:
     """Add the function as a scene, which is called as it is; copper is tried if nothing else is named."""
 
     def add(make: Callable[[Scene], Shot | None]) -> Callable[[Scene], Shot | None]:
-        SCENES[make.__name__] = Everyday(title, make, subjects or ("copper",), **more)
+        SCENES[make.__name__] = Scenario(title, make, subjects or ("copper",), **more)
         return make
 
     return add
 
 
-def prepare(one: Everyday, size: int = SIZE, samples: int = SAMPLES) -> tuple[Scene, Shot]:
+def prepare(one: Scenario, size: int = SIZE, samples: int = SAMPLES) -> tuple[Scene, Shot]:
     """A scene and how its picture is taken. Empties the session."""
     bpy.ops.wm.read_factory_settings()
     shown = bpy.context.scene
@@ -263,3 +266,42 @@ def collection_of(*items: Object) -> Any:
             holder.objects.unlink(item)
         made.objects.link(item)
     return made
+
+
+def render_pass(shown: Scene, name: str) -> NDArray[np.float32]:
+    """A pass of the first view layer, in place of the picture."""
+    import OpenImageIO as oiio  # noqa: N813 - as in images.write
+
+    with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
+        path = Path(folder) / "render.exr"
+        shown.render.filepath = str(path)
+        _write_as(shown, "OPEN_EXR_MULTILAYER", "MULTI_LAYER_IMAGE")
+        bpy.ops.render.render(write_still=True, scene=shown.name)
+        _write_as(shown, "OPEN_EXR", "IMAGE")
+        file = oiio.ImageInput.open(str(path))
+        try:
+            return _channels(file, name)
+        finally:
+            file.close()
+
+
+def _write_as(shown: Scene, format_of_file: str, kind: str) -> None:
+    if MODERN:
+        shown.render.image_settings.media_type = kind
+    shown.render.image_settings.file_format = format_of_file
+    if format_of_file == "OPEN_EXR":
+        shown.render.image_settings.color_depth = "32"
+
+
+def _channels(file: Any, name: str) -> NDArray[np.float32]:
+    """The three channels of a pass in a file of many, which may be parts of it."""
+    part = 0
+    while file.seek_subimage(part, 0):
+        names = list(file.spec().channelnames)
+        wanted = [k for k, channel in enumerate(names) if f".{name}." in f".{channel}" and channel[-1] in "RGBXYZ"]
+        if len(wanted) == 3:
+            picture = file.read_image(part, 0, 0, len(names), "float")
+            return picture[..., sorted(wanted, key=lambda k: "RGBXYZ".index(names[k][-1]))]
+        part += 1
+    message = f"the render has no pass {name}"
+    raise RuntimeError(message)

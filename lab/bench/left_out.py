@@ -1,31 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was left out: each material as it is built against one universal material, and each thing that it does without.
+"""What was left out: each material as it is built, against one universal material and with each omitted part put back.
 
-A cell is one preset. In each scene it holds, of the material as built and of the universal one, nodes, compiled OSL
-instructions, processor time and what pictures of the same seed differ by; then, one by one, what the builder left out,
-put back and weighted with 0 by data: how many nodes that is, how the picture differs, and what it costs.
+For each preset and scene: nodes, compiled OSL instructions and processor time of the material as built and of the
+universal one, and whether pictures of the same seed agree; then each component that the builder left out is put back
+with a weight of 0 by data.
 
-    {"preset": "lecture/copper", "seed": 0,
-     "setups": [{"scene": "lamps", "backend": "nodes", "estimator": "fit",  # what Automatic picks, or mirror
-                 "nodes": {"built": 1877, "universal": 11992}, "instructions": {"built": 0, "universal": 0},
-                 "first": {"built": 0.2, "universal": 3.1, "ratio": 15.5, "rounds": [...]},
-                 "render": {"built": 0.6, "universal": 1.1, "ratio": 1.8, "rounds": [...]},
-                 "difference": 2e-6, "off": 1e-9, "z": 0.4, "same": true,
-                 "left_out": [{"what": "time", "why": "...", "nodes": 93, "difference": 0.0, "z": 0.0,
-                               "same": true, "time": 1.02}, ...]}, ...],
-     "memory": {"scene": "lamps", "backend": "nodes", "built": {"peak": 5e8, "over": 4e7}, "universal": {...}}}
-
-"first" is a render of one sample, which synchronises and compiles; "render" one of ``SAMPLES`` by a Cycles that has
-compiled before. Both are processor seconds, medians of rounds that take turns; "ratio" is the median of the rounds'
-own. "time" of one thing put back is of one round, both with compiling, over the material as built; a
-thing that was not put back, to save time, has "what" and "why" alone. "over" is how far
-memory rose above what the process held before it made the material. SVM's count of instructions is only in Cycles' log,
-which the Python module cannot switch on: plain nodes have no figure but their number.
+A first render has one sample; it synchronises and compiles. The others have ``SAMPLES``, by a Cycles that has compiled
+before. Times are medians of rounds that take turns; those of a part put back are of one round, with compiling. Memory
+is by how much a process grows when it makes the material. SVM's count of instructions is only in Cycles' log, which the
+Python module cannot switch on: nodes have no figure but their number.
 """
 
 from __future__ import annotations
 
-import json
 import statistics
 import subprocess
 import sys
@@ -37,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .cells import LeftOut, OmittedPart
 from .record import Cell
 
 if TYPE_CHECKING:
@@ -91,26 +79,23 @@ PUT_BACK = {  # what ``explain`` calls it -> what ``universal`` puts back
 def cells(*, quick: bool) -> list[Cell]:
     """One a preset."""
     names = QUICK if quick else CASES
-    return [Cell(f"left_out/{name}", partial(measure, CASES[name], quick=quick)) for name in names]
+    return [Cell(f"left_out/{name}", partial(measure, name, quick=quick)) for name in names]
 
 
-def measure(identity: str, _folder: Path | None = None, *, quick: bool = False) -> dict[str, Any]:
-    """The cell of a preset."""
+def measure(case: str, _folder: Path | None = None, *, quick: bool = False) -> tuple[LeftOut, ...]:
+    """A preset in all scenes; where its memory was measured, with that."""
     from ...addon.library import presets
 
-    preset, backend = presets.find(identity), _backend()
+    preset, backend = presets.find(CASES[case]), _backend()
     rounds = 1 if quick else ROUNDS
-    found = [
-        setup(preset, name, backend, rounds, most=QUICK_LINES if quick else None)
-        for name in (("lamps",) if quick else SCENES)
-    ]
-    if not quick and backend == "nodes" and identity in {CASES[name] for name in OSL_CASES}:
-        found.append(setup(preset, OSL_SCENE, "osl", rounds))
-    if not quick and identity in {CASES[name] for name in BY_MIRROR}:
-        found.append(setup(preset, MIRROR_SCENE, backend, rounds, estimator="mirror", most=0))
-    memory: dict[str, Any] = {"scene": "lamps", "backend": backend}
-    memory |= {which: _memory(identity, which) for which in ("built", "universal")}
-    return {"preset": identity, "seed": SEED, "setups": found, "memory": memory}
+    most = QUICK_LINES if quick else None
+    found = [setup(case, preset, name, backend, rounds, most=most) for name in (("lamps",) if quick else SCENES)]
+    if not quick and backend == "nodes" and case in OSL_CASES:
+        found.append(setup(case, preset, OSL_SCENE, "osl", rounds))
+    if not quick and case in BY_MIRROR:
+        found.append(setup(case, preset, MIRROR_SCENE, backend, rounds, estimator="mirror", most=0))
+    memory = _memory(preset.id, "built"), _memory(preset.id, "universal")
+    return tuple(replace(one, memory_mb=memory) if one.scene == "lamps" else one for one in found)
 
 
 def _backend() -> str:
@@ -163,14 +148,14 @@ def _lamp(shown: Scene, kind: str, **settings: float) -> None:
 
 
 def setup(
-    preset: Preset, name: str, backend: str, rounds: int, *, estimator: str = "auto", most: int | None = None
-) -> dict[str, Any]:
+    case: str, preset: Preset, name: str, backend: str, rounds: int, *, estimator: str = "auto", most: int | None = None
+) -> LeftOut:
     """One scene and backend: both materials, and what was left out of the one, of which ``most`` are put back."""
     from ... import headless
     from ...addon.blender.course import Play
     from ...addon.blender.material import build
     from ...addon.choose import explain
-    from . import universal
+    from . import universal, universal_data
 
     with headless.quiet():
         shown = stage(name)
@@ -178,19 +163,22 @@ def setup(
         account = explain.explain(preset, shown, backend, estimator)
         play = Play("age", 1.0, LENGTH) if preset.time else None
         choice = replace(account.choice, play=play)
-        data = universal.data_of(preset, (FRAME - 1.0) / LENGTH, play)
+        data = universal_data.data_of(preset, (FRAME - 1.0) / LENGTH, play)
         pair = {"built": (build(preset, choice), data), "universal": (universal.build(choice), data)}
         first, full, pictures = _turns(shown, pair, rounds, backend)
         anew = _draws_anew(preset, choice)
-        found = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], anew=anew)
+        same = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], anew=anew)
         lines = _lines(shown, preset, account, most=0 if name == OSL_SCENE else most)
         sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
-    return {
-        "scene": name, "backend": backend, "estimator": account.estimator,
-        "nodes": {which: size.nodes for which, size in sizes.items()},
-        "instructions": {which: size.instructions for which, size in sizes.items()},
-        "first": _medians(first), "render": _medians(full), **found, "left_out": list(lines),
-    }  # fmt: skip
+    ratios = [one["universal"] / max(one["built"], 1e-3) for one in full]
+    return LeftOut(
+        case=case, preset=preset.id, scene=name, backend=backend, estimator=account.estimator,
+        slowdown=statistics.median(ratios), spread=(min(ratios), max(ratios)),
+        first=statistics.median(one["universal"] / max(one["built"], 1e-3) for one in first),
+        nodes=(sizes["built"].nodes, sizes["universal"].nodes),
+        instructions=(sizes["built"].instructions, sizes["universal"].instructions),
+        same=same["same"], omitted=lines,
+    )  # fmt: skip
 
 
 def _turns(
@@ -228,22 +216,22 @@ def _ball(shown: Scene) -> Object:
     return next(item for item in shown.objects if item.type == "MESH")
 
 
-def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None = None) -> list[dict[str, Any]]:
-    """Each thing that was left out, ``most`` of them put back."""
+def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None = None) -> tuple[OmittedPart, ...]:
+    """Each component that was left out, ``most`` of them put back."""
     from ...addon.blender.course import Play
     from ...addon.blender.material import build
     from ...addon.choose import explain
-    from . import universal
+    from . import universal, universal_data
 
     listed = list(_listed(account))
     most = len(listed) if most is None else most
-    named: list[dict[str, Any]] = [{"what": line.what, "why": line.why} for line, _ in listed]
+    named = [OmittedPart(what=line.what, why=line.why) for line, _ in listed]
     if not most:
-        return named
+        return tuple(named)
     built, samples = build(preset, account.choice), SAMPLES[account.choice.backend]
     anew = _draws_anew(preset, account.choice)
-    start = universal.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
-    nothing = universal.data_of(None)
+    start = universal_data.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
+    nothing = universal_data.data_of(None)
     plain, seconds = _render(shown, built, nothing, samples)
     for index, (_, part) in enumerate(listed[:most]):
         if part == "time":
@@ -254,8 +242,9 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None =
             other, data = universal.with_part(built, account.choice, part), nothing
         picture, more = _render(shown, other, data, samples)
         nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
-        named[index] |= {"nodes": nodes, "time": more / seconds} | _compared(plain, picture, samples, anew=anew)
-    return named
+        same = _compared(plain, picture, samples, anew=anew)["same"]
+        named[index] = replace(named[index], nodes=nodes, slowdown=more / seconds, same=same)
+    return tuple(named)
 
 
 def _listed(account: Account) -> Iterator[tuple[Line, str]]:
@@ -271,12 +260,12 @@ def _render(
 ) -> tuple[NDArray[np.float64], float]:  # fmt: skip
     """The picture, and the processor seconds that it took."""
     from ...addon.blender import gonio
-    from . import universal
+    from . import universal_data
 
     ball = _ball(shown)
     if ball.active_material != made:
         ball.active_material = made
-        universal.dress(ball, data)
+        universal_data.set_data(ball, data)
         shown.view_layers[0].update()
     shown.cycles.samples, shown.cycles.seed = samples, SEED
     start = time.process_time()
@@ -312,22 +301,17 @@ def _draws_anew(preset: Preset, choice: Choice) -> bool:
     return preset.transparent and preset.m > 0.0 and choice.estimator in RANDOM
 
 
-def _medians(rounds: list[dict[str, float]]) -> dict[str, Any]:
-    ratios = [one["universal"] / max(one["built"], 1e-3) for one in rounds]
-    medians = {which: statistics.median(one[which] for one in rounds) for which in rounds[0]}
-    return {**medians, "ratio": statistics.median(ratios), "rounds": ratios}
-
-
 # Memory, in a process of its own
 
 
-def _memory(identity: str, which: str) -> dict[str, int]:
+def _memory(identity: str, which: str) -> float:
+    """MB that the material takes beside Blender."""
     command = [sys.executable, "-P", "-m", __name__, identity, which]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    return json.loads(done.stdout.splitlines()[-1])
+    return float(done.stdout.splitlines()[-1])
 
 
-def _child(identity: str, which: str) -> Iterator[dict[str, int]]:
+def _child(identity: str, which: str) -> float:
     from ... import headless
 
     headless.prepare()
@@ -335,7 +319,7 @@ def _child(identity: str, which: str) -> Iterator[dict[str, int]]:
     from ...addon.choose import explain
     from ...addon.library import presets
     from ...headless import memory
-    from . import universal
+    from . import universal, universal_data
 
     preset = presets.find(identity)
     with headless.quiet():
@@ -345,10 +329,9 @@ def _child(identity: str, which: str) -> Iterator[dict[str, int]]:
         before = memory.held()
         memory.reset_peak()
         made = build(preset, choice) if which == "built" else universal.build(choice)
-        _render(shown, made, universal.data_of(preset), 1)
-    yield {"peak": memory.peak(), "over": memory.peak() - before}
+        _render(shown, made, universal_data.data_of(preset), 1)
+    return (memory.peak() - before) / 2**20
 
 
 if __name__ == "__main__":
-    for answer in _child(*sys.argv[1:]):
-        print(json.dumps(answer))
+    print(_child(*sys.argv[1:]))

@@ -1,22 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Automatic picks in each scene of ``accuracy``, at each of its sample counts. Renders nothing.
-
-{"scene": "sun", "subject": "copper", "samples": [4, 16, ...], "estimators": ["closure", "closure", ...],
-     "refused": {"direct": "binds lights and shows nothing else", ...}}
-
-refused: what Automatic never picks for this subject, and why.
-"""
+"""What Automatic picks in each scene of ``accuracy``, at each of its sample counts. Renders nothing."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ... import headless
 from ...addon.blender import facts
 from ...addon.blender.material import BUILDERS, NATIVE
 from ...addon.choose import automatic
 from . import contenders
+from .cells import Picks
 from .record import Cell
 from .scenes import stage
 
@@ -39,15 +34,13 @@ def cells(*, quick: bool) -> list[Cell]:
     ]
 
 
-def measure(_folder: Path, name: str, subject: str, *, quick: bool) -> dict[str, Any]:
+def measure(_folder: Path, name: str, subject: str, *, quick: bool) -> Picks:
     """One scene and subject."""
-    counts, preset, found = contenders.counts(quick=quick), contenders.subjects()[subject], []
+    preset, found = contenders.subjects()[subject], []
     with headless.quiet(), stage(name, SIZE) as shown:
         known = facts.of(shown.scene)
-        for samples in counts:
+        for samples in contenders.counts(quick=quick):
             shown.scene.cycles.samples = samples
             found.append(automatic.pick_estimator(known, preset))
-    refused = {name: REFUSED[name] for name in BUILDERS[preset.model] if name not in {*NATIVE, *found}}
-    return {
-        "scene": name, "subject": subject, "samples": list(counts), "estimators": found, "refused": refused,
-    }  # fmt: skip
+    never = [name for name in BUILDERS[preset.model] if name not in {*NATIVE, *found}]
+    return Picks(estimators=tuple(found), refused={name: REFUSED[name] for name in never})

@@ -1,14 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scenes that a report renders: small pictures, whose light is known and whose truth can be had.
-
-- furnace: the gonioreflectometer under a white sky: each pixel is a direction, the truth is the reference's albedo;
-- environment: a ball under an environment map whose brightest spots are held to 3, as its truth would need too many
-  samples else;
-- softbox: a ball by an area lamp of 1 m, 2.5 m away, and nothing else;
-- sun: a ball by a sun of half a degree, under a dim, even sky;
-- outdoors: a ball under the environment map and that sun;
-- checker: a ball of glass on a checkered floor, under the environment map.
-"""
+"""The scenes of ``scene_table`` in Blender."""
 
 from __future__ import annotations
 
@@ -23,16 +14,13 @@ import numpy as np
 from ...addon.blender import gonio
 from ...headless import scene
 from ...nodegroups import versions
+from . import scene_table as table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from bpy.types import Object, Scene
     from numpy.typing import NDArray
-
-BRIGHTEST = 3.0
-DISTANCE, LENS, SENSOR = 6.0, 90.0, 36.0  # of the camera from the unit ball, in metres and millimetres
-LAMP = (1.3, -1.6, 2.6)
 
 
 @dataclass(frozen=True)
@@ -50,7 +38,7 @@ class Stage:
 
 @contextmanager
 def stage(name: str, size: int) -> Iterator[Stage]:
-    """One of ``findings.SCENES`` in ``size`` x ``size`` pixels, kept in Cycles between renders. Empties the session."""
+    """One of ``scene_table.SCENES`` in ``size`` x ``size`` pixels; Cycles keeps it loaded. Empties the session."""
     if name == "furnace":
         bpy.ops.wm.read_factory_settings(use_empty=True)
         geometry = gonio.Geometry(furnace=True, resolution=(size, size))
@@ -59,17 +47,17 @@ def stage(name: str, size: int) -> Iterator[Stage]:
             patch = next(item for item in shown.objects if item.type == "MESH")
             yield Stage(shown, patch, np.ones((size, size), np.bool_))
         return
-    shown = _ball(size)
-    if name in {"environment", "checker", "outdoors"}:
-        _hold(shown, BRIGHTEST)
+    kind, shown = table.SCENES[name], _ball(size)
+    if kind.mapped:
+        _hold(shown, table.BRIGHTEST)
     else:
-        _even(shown, 0.05 if name == "sun" else 0.0)
-    if name in {"softbox", "sun", "outdoors"}:
-        _lamp(shown, "AREA" if name == "softbox" else "SUN")
-    if name == "checker":
+        _even(shown, kind.world)
+    if kind.lamp:
+        _lamp(shown, kind.lamp)
+    if kind.floor:
         _checker(shown)
     shown.view_layers[0].update()
-    seen = np.ones((size, size), np.bool_) if name == "checker" else ball_pixels(size)
+    seen = np.ones((size, size), np.bool_) if kind.floor else ball_pixels(size)
     yield Stage(shown, shown.objects["Ball"], seen)
 
 
@@ -77,7 +65,7 @@ def ball_pixels(size: int) -> NDArray[np.bool_]:
     """The pixels that show the ball alone, a little inside its outline."""
     place = (np.arange(size) + 0.5) / size - 0.5
     x, y = np.meshgrid(place, place)
-    radius = LENS / SENSOR / np.sqrt(DISTANCE**2 - 1.0)  # as a share of the picture's width
+    radius = table.LENS / table.SENSOR / np.sqrt(table.DISTANCE**2 - 1.0)  # as a share of the picture's width
     return np.hypot(x, y) < radius - 1.5 / size
 
 
@@ -90,8 +78,8 @@ def _ball(size: int) -> Scene:
     shown.render.use_persistent_data = True
     shown.cycles.pixel_filter_type, shown.cycles.filter_width = "BOX", 1.0  # as other renderers have it
     shown.view_settings.view_transform = "Raw"
-    shown.camera.location, shown.camera.rotation_euler = (0.0, -DISTANCE, 1.0), (radians(90.0), 0.0, 0.0)
-    shown.camera.data.lens, shown.camera.data.sensor_width = LENS, SENSOR
+    shown.camera.location, shown.camera.rotation_euler = (0.0, -table.DISTANCE, 1.0), (radians(90.0), 0.0, 0.0)
+    shown.camera.data.lens, shown.camera.data.sensor_width = table.LENS, table.SENSOR
     return shown
 
 
@@ -116,11 +104,12 @@ def _even(shown: Scene, level: float) -> None:
 def _lamp(shown: Scene, kind: str) -> None:
     light = bpy.data.lights.new("Lamp", kind)
     if kind == "AREA":
-        light.energy, light.size = 60.0, 1.0
+        light.energy, light.size = table.SOFTBOX_WATTS, table.SOFTBOX_SIDE
     else:
-        light.energy, light.angle = 2.0, radians(0.53)
+        light.energy, light.angle = table.SUN_STRENGTH, table.SUN_ANGLE
     lamp = bpy.data.objects.new("Lamp", light)
-    lamp.location, lamp.rotation_euler = LAMP, (radians(45.0), 0.0, radians(39.0))
+    x, z = map(radians, table.LAMP_DEGREES)
+    lamp.location, lamp.rotation_euler = table.LAMP_LOCATION, (x, 0.0, z)
     shown.collection.objects.link(lamp)
 
 
@@ -128,20 +117,20 @@ def _checker(shown: Scene) -> None:
     """A floor of squares half a metre wide under the ball, and the camera a little above it."""
     shown.cycles.diffuse_bounces = shown.cycles.glossy_bounces = shown.cycles.max_bounces  # light is not to be lost
     mesh = bpy.data.meshes.new("Floor")
-    mesh.from_pydata([(-40, -40, 0), (40, -40, 0), (40, 40, 0), (-40, 40, 0)], [], [(0, 1, 2, 3)])
+    half = table.FLOOR_HALF
+    mesh.from_pydata([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)], [], [(0, 1, 2, 3)])
     made = versions.empty_material("Checker")
     tree = made.node_tree
     texture, place, diffuse, output = (
         tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexChecker", "NewGeometry", "BsdfDiffuse", "OutputMaterial")
     )
-    texture.inputs["Scale"].default_value = 2.0
-    texture.inputs["Color1"].default_value, texture.inputs["Color2"].default_value = (
-        (0.7, 0.7, 0.7, 1.0),
-        (0.05, 0.05, 0.05, 1.0),
-    )
+    texture.inputs["Scale"].default_value = 1.0 / table.CHECKER_SIDE
+    dark, light = ((level, level, level, 1.0) for level in table.CHECKER_LEVELS)
+    texture.inputs["Color1"].default_value, texture.inputs["Color2"].default_value = light, dark
     tree.links.new(place.outputs["Position"], texture.inputs["Vector"])
     tree.links.new(texture.outputs["Color"], diffuse.inputs["Color"])
     tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
     mesh.materials.append(made)
     shown.collection.objects.link(bpy.data.objects.new("Floor", mesh))
-    shown.camera.location, shown.camera.rotation_euler = (0.0, -5.6, 2.6), (radians(74.0), 0.0, 0.0)
+    shown.camera.location = table.CHECKER_CAMERA
+    shown.camera.rotation_euler = (radians(table.CHECKER_DEGREES), 0.0, 0.0)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ... import headless
-from ...addon.blender import course, fcurves, gonio
+from ...addon.blender import course as changes
+from ...addon.blender import fcurves, gonio
 from ...addon.blender.course import Play
 from ...addon.library.presets import parse
 from ...addon.reference import (
@@ -24,14 +25,13 @@ from ...addon.reference import (
     spherical,
 )
 from ..check.views import direct_bar
+from .stability_looks import Seen
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...addon.reference import Model
     from ..check.rows import Setup
-    from .stability import Seen
-
 THETAS = (0.0, 1e-9, 1e-3, 30.0, 60.0, 89.0, 89.9, 89.9999, 90.0 - 1e-6)
 PHIS = (0.0, 0.1, 90.0, 180.0 - 1e-6, 180.0)
 FRAMES = 240.0
@@ -43,8 +43,6 @@ RECIPROCAL = 2.0**-20
 
 def values(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
     """f of a model for all pairs of ``THETAS`` and ``PHIS``; reciprocal."""
-    from .stability import Seen
-
     wi, wo = _directions()[:, None], _directions()[None]
     model = of(value)
     f, back = model.evaluate(wi, wo), model.evaluate(wo, wi)
@@ -53,13 +51,11 @@ def values(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
     # Vectors by sines and cosines are unit to 3 * 2^-52, by which v.h and l.h part: over their |wi + wo| / 2 that is
     # 2 (3 + 3) 2^-52 / |wi + wo|^2, and G takes v.h as it is.
     bound = RECIPROCAL + 12.0 * 2.0**-52 / np.sum((wi + wo) ** 2, axis=-1)
-    return Seen(f, more={"reciprocity": float(np.max(apart)), "holds": bool(np.all(apart <= bound))})
+    return Seen(f, holds=bool(np.all(apart <= bound)))
 
 
 def shares(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
     """The directional albedo of a model at each of ``THETAS``."""
-    from .stability import Seen
-
     return Seen(albedo(of(value), spherical(np.radians(THETAS), 0.0)))
 
 
@@ -107,8 +103,8 @@ ROWS: tuple[tuple[Any, ...], ...] = (
 )
 
 
-def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
-    """``direct`` at moments of a course that falls at ``rate``, against the keys that Blender plays."""
+def course(law: str, driving: str, rate: float, setup: Setup) -> Seen:
+    """A slope that falls from 1 to 0.05 at ``rate``, all but a step, by ``direct`` at moments of its course."""
     middle = "middle = 0.5\n" if law == "logistic" else ""
     text = (
         'name = "Step"\nmodel = "cook_torrance"\nm = 1.0\n[fresnel]\nf0 = 1.0\n[source]\ndata = "check"\n'
@@ -117,7 +113,7 @@ def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
     )
     preset = parse(text, "check/step", "check")
     play = Play(driving, 1.0, FRAMES)
-    keys = course.keyframes(preset.trajectory(), play)
+    keys = changes.keyframes(preset.trajectory(), play)
     frames = (1.0 + FRAMES * np.array(MOMENTS)).tolist()
     geometry = gonio.Geometry(45.0, 0.0, (32, 32))
     with headless.quiet():
@@ -132,5 +128,4 @@ def played(law: str, driving: str, rate: float, setup: Setup) -> dict[str, Any]:
     nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES
     crowded = driving == "curves" and nearest < fcurves.CLOSEST
     limit = f"F-curves have no two keys within {fcurves.CLOSEST:g} frames: a step takes that long" if crowded else ""
-    more = {"error": off, "keys": int(keys["m"].times.size), "holds": off <= direct_bar(0.05)}
-    return {"image": images.astype(np.float64), "limit": limit, "more": more}
+    return Seen(images.astype(np.float64), limit=limit, holds=off <= direct_bar(0.05), more={"error": off})

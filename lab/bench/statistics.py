@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bias and noise of a render, told apart by independent seeds. Imports NumPy alone.
+"""Bias and noise of a render, separated by independent seeds. Imports NumPy alone.
 
 I_s are S pictures of one estimator by seeds s, T_a are A independent pictures of the truth; the mean is over P pixels
 and three channels, and all is a share of the truth's root mean square.
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Error:
-    """What a picture errs by. bias2 may be negative; bias2_error is its standard error."""
+    """Bias and noise of a picture. bias2 may be negative; bias2_error is its standard error."""
 
     bias2: float
     bias2_error: float
@@ -101,12 +101,11 @@ def slope(pictures: Mapping[int, NDArray[np.floating]]) -> tuple[float, float]:
     return without(-1), float(np.sqrt((groups - 1) / groups * np.sum((others - others.mean()) ** 2)))
 
 
-SELDOM = ("sun", "outdoors")  # scenes whose lamp is so small that random rays seldom hit it
 RARE = 0.25  # of a sample's variance, as later counts have it: what scatters of four pictures is far less
 
 
 def resolved(noise: Sequence[float], samples: Sequence[int]) -> list[bool]:
-    """Whether the noise at each count is that of all that happens, for contenders whose rays seldom hit a light.
+    """Whether the noise at each count includes the rare events, for contenders whose rays rarely hit a light.
 
     N noise^2, the variance of one sample, does not grow with N. Where it is under ``RARE`` of what a later count has,
     no picture has met yet what most of the light comes from: the noise is not to be seen, and looks like bias.

@@ -24,6 +24,8 @@ from scipy.stats import qmc
 
 from ...addon.blender import images
 from ...addon.reference.directions import dot
+from . import peers
+from .scene_table import SCENES
 
 if TYPE_CHECKING:
     from bpy.types import Object, Scene
@@ -35,14 +37,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-MODELS = {"cook_torrance", "oren_nayar", "sum", "car_paint"}  # whose light leaves where it came
-LEAST = 0.01  # of a map's mean: what is drawn for where it is dark
+LEAST = 0.01  # of a map's mean, added to the density of draws so that dark parts are drawn too
 NOWHERE = np.finfo(np.float64).tiny
 
 
 def has(preset: Preset, scene: str) -> bool:
     """Whether the formula alone says what the scene shows: an opaque ball by itself."""
-    return preset.model in MODELS and scene in {"environment", "softbox", "sun", "outdoors"}
+    return peers.of(preset).LOCAL and SCENES[scene].formula
 
 
 def picture(shown: Stage, model: Model, samples: int, seed: int) -> Floats:

@@ -18,58 +18,38 @@ what a Mix Shader weighs with 0, SVM jumps over. OSL has one script a model and 
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from math import pi
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ... import nodegroups
-from ...addon.blender import course
 from ...addon.blender import lamps as lamp_binding
 from ...addon.blender.material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
-from ...addon.library.checks import M_RANGE
-from ...addon.library.presets import Preset, shipped
 from ...addon.models import base_name
 from ...nodegroups import (
     absorption,
     cook_torrance,
     cook_torrance_albedo,
-    fresnel,
     lamp,
-    osl_script,
     ramp,
     shading_normal,
     versions,
 )
-from ...nodegroups import cook_torrance_closure as closure
-from ...nodegroups._tree import Value, output, select
+from ...nodegroups._tree import Value, output
 from ...nodegroups.lamp_beams import beam_interfaces
+from .any_fresnel import ANY, any_kind, by_data
+from .universal_data import LOBES, NAME, NEUTRAL, REVISION, moving, property_name, universal_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
-    from bpy.types import Material, Node, NodeSocket, Object, ShaderNodeTree
+    from bpy.types import Material, Node, NodeSocket, ShaderNodeTree
 
-    from ...addon.blender.course import Play
-    from ...addon.reference.keyframes import Keyframes
     from ...nodegroups._tree import Tree
 
-NAME = "VGroove Universal"
-REVISION = 1
-LOBES = 3  # as many as any of our car paints has
-ANY = "any"  # the kind of Fresnel term that data choose
 TERMS = {"corrected": 1, "hybrid": 1, "mirror": 3, "direct": 4}  # lights, for nodes: as many as SVM's stack holds
 PARTS = ("diffuse", "body", "specular", "lobes", "transmission")
-WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
-NEUTRAL: dict[str, Any] = {  # each parameter, as it is where a preset has none
-    "f0": BLACK, "f82_tint": WHITE, "eta": 1.5, "n": WHITE, "k": WHITE, "m": 0.3, "albedo": BLACK, "sigma": 0.0,
-    "d": 0.0, "s": 0.0, "tint": WHITE, "absorption": BLACK, "reflectance": WHITE, "mean_free_path": WHITE,
-}  # fmt: skip
-OF_LOBES = ("f0", "f82_tint", "m", "s")
-SWITCHES = ("fresnel", "qualitative", "coupled", "body", "glass", "thin", "smooth", "age")
 
 
 @dataclass(frozen=True)
@@ -98,81 +78,6 @@ def fits() -> bool:
 def form_of(choice: Choice) -> Form:
     """What ``fit`` shows, ``corrected`` does where no lamp is lit, and it can do lamps as well."""
     return Form(choice.backend, "corrected" if choice.estimator == "fit" else choice.estimator)
-
-
-# The data
-
-
-def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -> dict[str, Any]:
-    """The properties that show ``preset``: at ``age`` of its course if it has one and it is played; of None nothing.
-
-    A parameter's property ends in Before and After: its keys around ``age``, and Span, their ages.
-    """
-    values = {name: NEUTRAL[base_name(name)] for name in _names()}
-    switches: dict[str, float] = dict.fromkeys(SWITCHES, 0.0)
-    keys = {}
-    if preset is not None:
-        values |= {_universal_name(name): value for name, value in preset.parameters.items()}
-        values["m"] = max(values["m"], M_RANGE[0])
-        alone = {"cook_torrance": ("s",), "translucent": ("s",), "oren_nayar": ("d",), "car_paint": ("d",)}
-        values |= dict.fromkeys(alone.get(preset.model, ()), 1.0)
-        kinds = list(fresnel.KINDS)
-        switches["fresnel"] = float(kinds.index(preset.kind)) if preset.kind in kinds else 0.0
-        switches["qualitative"] = float(preset.kind == "qualitative")
-        switches["coupled"] = float(preset.coupled or preset.model == "translucent")
-        switches["body"] = float(preset.model == "translucent")
-        switches["glass"], switches["thin"] = float(preset.model == "glass"), float(preset.kind == "thin")
-        switches["smooth"] = float(preset.m == 0.0)
-        if play is not None:
-            switches["age"] = age
-            keys = {_universal_name(n): of for n, of in course.keyframes(preset.trajectory(), play).items()}
-    if preset is not None and preset.kind == "thin":
-        values["absorption"] = BLACK  # a sheet has no inside
-    found: dict[str, Any] = {_property(name): value for name, value in switches.items()}
-    for name, value in values.items():
-        before, after, span = _around(keys[name], age) if name in keys else (value, value, (0.0, 1.0, 0.0))
-        if base_name(name) not in _moving():
-            found[_property(name)] = value
-            continue
-        found |= {_property(name, "before"): before, _property(name, "after"): after, _property(name, "span"): span}
-    for index in range(1, lamp_binding.LIMIT + 1):
-        found[_property(f"lamp {index}", "axis")] = (0.3, 0.2, 0.9)
-        found[_property(f"lamp {index}", "strength")] = 0.0
-    return found
-
-
-def _around(keys: Keyframes, age: float) -> tuple[Any, Any, tuple[float, float, float]]:
-    """The keys before and after ``age``, and their ages."""
-    k = int(np.clip(np.searchsorted(keys.times, age, side="right"), 1, max(keys.times.size - 1, 1)))
-    ends = (k - 1, min(k, keys.times.size - 1))
-    before, after = (keys.values[end].tolist() for end in ends)
-    start, end = (float(keys.times[end]) for end in ends)
-    return before, after, (start, end, 0.0)
-
-
-def _names() -> list[str]:
-    return [*NEUTRAL, *(f"{name}_{k}" for k in range(2, LOBES + 1) for name in OF_LOBES)]
-
-
-def _universal_name(parameter: str) -> str:
-    """The first lobe of a car paint is the Cook-Torrance part."""
-    return parameter.removesuffix("_1")
-
-
-def _property(*words: str) -> str:
-    return " ".join(("vgroove", *words))
-
-
-def _moving() -> set[str]:
-    """The parameters that some preset changes over time."""
-    return {base_name(name) for preset in shipped().values() if preset.time for name in preset.time.laws}
-
-
-def dress(item: Object, data: Mapping[str, Any]) -> None:
-    """Set the data of an object that has the universal material."""
-    for name, value in data.items():
-        item[name] = value
-    item.update_tag()
 
 
 # The tree
@@ -224,7 +129,7 @@ def _spare(tree: ShaderNodeTree, node: Node, index: int, choice: Choice) -> None
     source = _group_node(tree, group, f"Lamp {index}")
     for of, kept in (("axis", "Vector"), ("strength", "Fac")):
         datum = tree.nodes.new("ShaderNodeAttribute")
-        datum.attribute_type, datum.attribute_name = "OBJECT", _property(f"lamp {index}", of)
+        datum.attribute_type, datum.attribute_name = "OBJECT", property_name(f"lamp {index}", of)
         tree.links.new(output(datum, kept), source.inputs[of.title()])
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])
@@ -262,7 +167,7 @@ class _Universal:
 
     def switch(self, name: str) -> Value:
         if name not in self._read:
-            self._read[name] = _read(self.tree, _property(name), color=False)
+            self._read[name] = _read(self.tree, property_name(name), color=False)
         return self._read[name]
 
     def parameter(self, name: str) -> Value:
@@ -278,7 +183,7 @@ class _Universal:
         inputs = {"Base Color": self.parameter("albedo"), "Sigma": self.parameter("sigma")}
         module, qualitative = BUILDERS["oren_nayar"][self.form.estimator], self.switch("qualitative")
         if self.form.backend == "osl":
-            group = self._ensure(module, "Oren-Nayar", _by_data(partial(module.build_osl, kind="full"), "kind"))
+            group = self._ensure(module, "Oren-Nayar", by_data(partial(module.build_osl, kind="full"), "kind"))
             return [self._use(group, d, inputs | {"kind": qualitative})]
         groups = [
             self._ensure(module, kind.title(), partial(module.build, kind=kind)) for kind in ("full", "qualitative")
@@ -298,8 +203,8 @@ class _Universal:
         inputs = {"F0": "f0", "F82 Tint": "f82_tint", "IOR": "eta", "n": "n", "k": "k", "Slope m": "m"}
         values = {label: self.parameter(name) for label, name in inputs.items()}
         osl = self.form.backend == "osl"
-        with _any_kind(osl=osl):
-            make = _by_data(partial(module.build_osl, kind=ANY), "kind") if osl else partial(module.build, kind=ANY)
+        with any_kind(osl=osl):
+            make = by_data(partial(module.build_osl, kind=ANY), "kind") if osl else partial(module.build, kind=ANY)
             group = self._ensure(module, "Cook-Torrance", make)
         return [self._use(group, self.parameter("s"), values | {"kind": self.switch("fresnel")})]
 
@@ -319,12 +224,12 @@ class _Universal:
         thin, smooth = self.switch("thin"), self.switch("smooth")
         found = []
         if self.form.backend == "osl" and self.form.glass == "mirror":
-            group = self._ensure(module, "Glass", _by_data(module.build_osl, "thin", "smooth"))
+            group = self._ensure(module, "Glass", by_data(module.build_osl, "thin", "smooth"))
             return [self._use(group, glass, inputs | {"thin": thin, "smooth": smooth})]
         for is_smooth, weight in ((False, glass * (1.0 - smooth)), (True, glass * smooth)):
             title = f"Glass{' Smooth' * is_smooth}"
             if self.form.backend == "osl":
-                group = self._ensure(module, title, _by_data(partial(module.build_osl, smooth=is_smooth), "thin"))
+                group = self._ensure(module, title, by_data(partial(module.build_osl, smooth=is_smooth), "thin"))
                 found.append(self._use(group, weight, inputs | {"thin": thin}))
                 continue
             for is_thin, share in ((False, 1.0 - thin), (True, thin)):
@@ -340,7 +245,7 @@ class _Universal:
             values = {name: self.parameter(name) for name in names} | {"kind": self.switch("fresnel")}
             inputs = cook_torrance.Inputs(values, self.parameter("m"), self.normal)
             N = shading_normal.specular_normal(self.tree, self.normal)
-            with _any_kind(osl=False):
+            with any_kind(osl=False):
                 E = cook_torrance_albedo.directional_albedo(self.tree, ANY, inputs, N)
             self._read["left"] = 1.0 - self.switch("coupled") * (self.parameter("s") * E)
         return self._read["left"]
@@ -376,93 +281,13 @@ def _read(tree: Tree, name: str, *, color: bool) -> Value:
 def _parameter(tree: Tree, name: str) -> Value:
     """A parameter by the object's properties, through a ramp if some preset changes it over time."""
     color = isinstance(NEUTRAL[base_name(name)], tuple)
-    if base_name(name) not in _moving():
-        return _read(tree, _property(name), color=color)
-    before, after = (_read(tree, _property(name, end), color=color) for end in ("before", "after"))
-    start, end, _ = _read(tree, _property(name, "span"), color=True).xyz
-    age = _read(tree, _property("age"), color=False)
+    if base_name(name) not in moving():
+        return _read(tree, property_name(name), color=color)
+    before, after = (_read(tree, property_name(name, end), color=color) for end in ("before", "after"))
+    start, end, _ = _read(tree, property_name(name, "span"), color=True).xyz
+    age = _read(tree, property_name("age"), color=False)
     node = tree.group(ramp.group(color=color), Before=before, After=after, Age=age, Start=start, End=end)
     return Value(tree, node.outputs["Value"])
-
-
-# The Fresnel term and the kinds that data choose
-
-
-class _AnyFresnel:
-    """As a module of ``fresnel.KINDS``: every term at once, of which an input chooses one."""
-
-    NAME = f"{NAME} Fresnel"
-    REVISION = REVISION
-    KINDS = dict(fresnel.KINDS)
-
-    def __init__(self, *, osl: bool) -> None:
-        self._osl = osl  # there the scripts have the switch
-
-    def interface(self, tree: Tree) -> dict[str, Value]:
-        f82, dielectric, conductor = (self.KINDS[kind].interface(tree) for kind in ("f82", "dielectric", "conductor"))
-        kind = {} if self._osl else {"kind": _kind_input(tree)}
-        return f82 | dielectric | conductor | kind
-
-    def build(self, tree: Tree) -> None:
-        parameters = self.interface(tree)
-        cosine = tree.input_float("Cosine", 1.0, low=0.0, high=1.0, tip="wo . h, view against half vector")
-        F: Value | None = None
-        for index, kind in enumerate(self.KINDS):
-            of = fresnel.reflectance(tree, kind, _of_kind(kind, parameters), cosine)
-            F = of if F is None else select(_is(parameters["kind"], index), of, F)
-        assert F is not None  # noqa: S101 - there are kinds
-        tree.output_color("F", F, tip="Fresnel reflectance")
-
-
-def _kind_input(tree: Tree, name: str = "kind") -> Value:
-    tree.input_float(name, 0.0, low=0.0, high=10.0, tip="Which of several, by number")
-    return tree.given(name)  # after a panel it is not the last
-
-
-def _is(value: Value, index: int) -> Value:
-    return value.tree.math("COMPARE", value, float(index), 0.5)
-
-
-def _of_kind(kind: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
-    names = {"schlick": ("f0",), "dielectric": ("eta",), "conductor": ("n", "k"), "f82": ("f0", "f82_tint")}[kind]
-    return {name: parameters[name] for name in names}
-
-
-@contextmanager
-def _any_kind(*, osl: bool) -> Iterator[None]:
-    """While groups are built here, there is a further kind of Fresnel term: ``ANY``."""
-    native = closure.lobe
-
-    def lobe(tree: Tree, kind: str, parameters: dict[str, Value], *shape: Value) -> NodeSocket:
-        """Cycles' own lobe of each kind, all but one weighted with 0."""
-        if kind != ANY:
-            return native(tree, kind, parameters, *shape)
-        return tree.add_shaders([
-            tree.weighted(native(tree, of, _of_kind(of, parameters), *shape), _is(parameters["kind"], index))
-            for index, of in enumerate(_AnyFresnel.KINDS)
-        ])  # fmt: skip
-
-    fresnel.KINDS[ANY] = _AnyFresnel(osl=osl)  # type: ignore[assignment]
-    closure.lobe = lobe  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        closure.lobe = native
-        del fresnel.KINDS[ANY]
-
-
-def _by_data(make: Callable[..., None], *parameters: str) -> Callable[..., None]:
-    """A group of OSL shaders that takes these of their parameters, which else are constants, by inputs."""
-
-    def build_open(tree: Tree, **arguments: Any) -> None:
-        make(tree, **arguments)
-        for name in parameters:
-            value = _kind_input(tree, name)
-            for node in tree.node_tree.nodes:
-                if node.bl_idname == "ShaderNodeScript":
-                    tree.connect(value, osl_script.socket(node, name))
-
-    return build_open
 
 
 # One thing that was left out, put back
@@ -489,7 +314,7 @@ def with_time(made: Material) -> Material:
 
     def outputs(tree: Tree) -> None:
         for name in sockets:
-            known = _universal_name(name)
+            known = universal_name(name)
             make = tree.output_color if isinstance(NEUTRAL[base_name(known)], tuple) else tree.output_float
             make(name, _parameter(tree, known), tip="At the object's age")
 

@@ -8,16 +8,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from statistics import NormalDist, median
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from .findings import CLOSE, SLOWER, TARGETS
+from ..bench.cells import SLOWER
+from .contest import AGAINST, CLOSE
 from .words import number, percent, times
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from ..bench.cells import Case
     from .findings import Run
 
+TARGETS = (0.02, 0.01)  # errors whose time is shown
 SLOPE, SLOPE_BAR = -0.5, 0.05  # of noise over independent samples, and how far from it a measured one may be
 BROKEN = "DOES NOT HOLD"
+EVEN, HASHED, BOTH = ("closure", "fit", "corrected"), "mirror", "hybrid"  # whose random numbers are Cycles', ours, both
 
 
 @dataclass(frozen=True)
@@ -39,43 +45,42 @@ def of(run: Run) -> list[Claim]:
     return [claim for one in made if (claim := one(run))]
 
 
-def _slope(run: Run) -> Claim | None:
-    """As it stands. It takes more than half of the scenes to hold.
+def remarks(run: Run) -> list[str]:
+    """What else a report says in a sentence."""
+    return [line for line in (_winners(run), _bends(run), _backends(run), _duration(run)) if line]
 
-    Where a slope is known less well than the bar, it says nothing for or against the claim.
-    Nor does that of a smooth interface, where nothing is drawn by a hash and all noise is of Cycles' even samples.
+
+def headlines(run: Run) -> list[str]:
+    return [*(claim.text for claim in of(run)), *remarks(run)]
+
+
+def _slope(run: Run) -> Claim | None:
+    """It takes more than half of the scenes to hold.
+
+    Where a slope is known less well than the bar, it says nothing for or against the claim. Nor does that of a smooth
+    interface, where nothing is drawn by a hash and all noise comes from Cycles' even samples.
     """
-    seldom = [
-        contest.title
-        for contest, curve in run.curves
-        if curve.estimator == "mirror" and curve.competes and curve.seldom
-    ]
-    told = [
-        (contest, curve.slope)
-        for contest, curve in run.curves
-        if curve.estimator == "mirror" and curve.competes and curve.slope
-    ]
-    slopes = {contest.title: slope for contest, slope in told if not contest.smooth}
+    mirrors = [(contest, curve) for contest, curve in run.curves if curve.estimator == "mirror" and curve.competes]
+    sloped = [(contest, curve.slope) for contest, curve in mirrors if curve.slope]
+    slopes = {contest.title: slope for contest, slope in sloped if not contest.cell.smooth}
     if not slopes:
         return None
     known = {title: one.value for title, one in slopes.items() if one.known_to(SLOPE_BAR)}
     off = [f"{title}: {number(value)}" for title, value in known.items() if abs(value - SLOPE) > SLOPE_BAR]
-    found = "in no scene is it known so well"
+    found = "known so well in no scene"
     if known:
-        found = (
-            f"{number(median(known.values()))}, the median of {len(known)} scenes ({number(min(known.values()))} to "
-            f"{number(max(known.values()))})"
-        )
+        low, middle, high = (number(of(known.values())) for of in (min, median, max))
+        found = f"{middle}, the median of {len(known)} scenes ({low} to {high})"
         if len(known) < len(slopes):
             found += f"; not known so well in {', '.join(title for title in slopes if title not in known)}"
-        if seldom:
-            found += f"; not told in {len(seldom)} whose lamp rays seldom hit"
-        for title, slope in ((contest.title, slope) for contest, slope in told if contest.smooth):
+        if rare := sum(curve.rarely_hit for _, curve in mirrors):
+            found += f"; not evaluated in {rare} scenes whose light is rarely hit"
+        for title, slope in ((contest.title, slope) for contest, slope in sloped if contest.cell.smooth):
             found += f"; not judged in {title}, where nothing is drawn by a hash ({number(slope.value)})"
-    claim = f"The noise of mirror falls as samples to the power of {number(SLOPE)} ± {SLOPE_BAR:g}"
-    return Claim(
-        claim, "; but ".join([found, *([", ".join(off)] if off else [])]), 2 * len(known) > len(slopes) and not off
-    )
+    if off:
+        found += f"; but {', '.join(off)}"
+    claim = f"Mirror's noise falls as samples to the power of {number(SLOPE)} ± {SLOPE_BAR:g}"
+    return Claim(claim, found, 2 * len(known) > len(slopes) and not off)
 
 
 def _unbiased(run: Run) -> Claim | None:
@@ -85,107 +90,190 @@ def _unbiased(run: Run) -> Claim | None:
         for contest, curve in run.curves
         if curve.estimator == "mirror" and curve.competes and curve.last is not None
     ]
-    judged = [(contest, curve) for contest, curve in mirrors if contest.independent and not curve.seldom]
+    judged = [(contest, curve) for contest, curve in mirrors if contest.cell.independent and not curve.rarely_hit]
     if not judged:
         return None
     most = NormalDist().inv_cdf(0.99 ** (1.0 / sum(int(curve.resolved.sum()) for _, curve in judged)))
-    told = [
+    biased = [
         f"{contest.title} at {', '.join(f'{samples:g}' for samples in curve.samples[curve.bias_z > most])} samples"
         for contest, curve in judged
         if (curve.bias_z > most).any()
     ]
-    small = sum(curve.at_most < TARGETS[-1] for _, curve in judged)
+    small = sum(curve.bias_bound < TARGETS[-1] for _, curve in judged)
     found = (
-        f"in {len(judged) - len(told)} of {len(judged)} scenes whose truth is had without it; at the most samples it "
-        f"is below {percent(TARGETS[-1])} in {small} of them, below "
-        f"{percent(max(curve.at_most for _, curve in judged))} in all"
+        f"in {len(judged) - len(biased)} of {len(judged)} scenes whose truth does not come from mirror; at the most "
+        f"samples it is below {percent(TARGETS[-1])} in {small} of them, below "
+        f"{percent(max(curve.bias_bound for _, curve in judged))} in all"
     )
-    if told:
-        found += f"; but it is told in {', '.join(told)}"
-    if seldom := sum(curve.seldom for _, curve in mirrors):
-        found += f"; not judged in {seldom} whose lamp rays seldom hit"
-    if others := sum(not contest.independent for contest, _ in mirrors):
-        found += f"; in {others} more the truth is mirror's own, which `vgroove check` holds against the reference"
-    return Claim("The bias of mirror cannot be told from 0 at any number of samples", found, not told)
+    if biased:
+        found += f"; but there is a bias in {', '.join(biased)}"
+    if rare := sum(curve.rarely_hit for _, curve in mirrors):
+        found += f"; not evaluated in {rare} scenes whose light is rarely hit"
+    if others := sum(not contest.cell.independent for contest, _ in mirrors):
+        found += f"; in {others} more the truth is mirror's own, which `vgroove check` compares with the reference"
+    return Claim("Mirror's bias cannot be distinguished from 0 at any sample count", found, not biased)
 
 
 def _automatic(run: Run) -> Claim | None:
-    if not run.picks:
+    picks = run.picks
+    if not picks:
         return None
-    near, far = (sum(verdicts) for verdicts in zip(*((pick.close, pick.far) for _, pick in run.picks), strict=True))
-    contest, worst = max(run.picks, key=lambda one: one[1].ratio)
-    found = f"at {near} of {len(run.picks)} sample counts"
-    if by_chance := len(run.picks) - near - far:
-        found += f", and as far as chance lets one tell at {by_chance} more"
+    near, poor = sum(pick.close for _, pick in picks), sum(pick.poor for _, pick in picks)
+    contest, worst = max(picks, key=lambda one: one[1].ratio)
+    found = f"at {near} of {len(picks)} sample counts"
+    if by_chance := len(picks) - near - poor:
+        found += f", and within the noise of the measurement at {by_chance} more"
     if worst.ratio > 1.0:
         found += (
-            f"; at worst it errs {times(worst.ratio)} as much as {worst.winner} "
-            f"({contest.title}, {worst.samples} samples, {worst.estimator}; this factor is known to "
-            f"{100.0 * worst.doubt:.0f} %)"
+            f"; at worst its error is {times(worst.ratio)} that of {worst.winner} ({contest.title}, {worst.samples} "
+            f"samples, {worst.estimator}; this factor is known to {100.0 * worst.doubt:.0f} %)"
         )
-    if (of_all := sum(pick.of_all <= CLOSE for _, pick in run.picks)) < near:
-        contest, worst = max(run.picks, key=lambda one: one[1].of_all)
+    if (of_all := sum(pick.of_all <= CLOSE for _, pick in picks)) < near:
+        contest, worst = max(picks, key=lambda one: one[1].of_all)
         found += (
             f"; compared with all estimators at {of_all}, at worst {times(worst.of_all)} the error of the best "
             f"({contest.title}, {worst.samples} samples, {worst.best_of_all})"
         )
-    return Claim(f"Automatic is within {100 * (CLOSE - 1):.0f} % of the best that it may pick", found, not far)
+    return Claim(
+        f"Automatic is within {100 * (CLOSE - 1):.0f} % of the best estimator that it may pick", found, not poor
+    )
 
 
 def _universal(run: Run) -> Claim | None:
     if not run.left_out:
         return None
-    ratios = [case.time for case in run.left_out]
-    quicker = [f"{case.title}: {times(case.time)}" for case in run.left_out if case.time < 1.0]
-    saved = 1.0 - 1.0 / median(ratios)
+    ratios = [case.slowdown for case in run.left_out]
+    slower = [f"{case.title}: {times(case.slowdown)}" for case in run.left_out if case.slowdown < 1.0]
     found = (
-        f"it takes {times(median(ratios))} as long in the median of {len(ratios)} cases ({min(ratios):.3g} to "
-        f"{max(ratios):.3g}), of which the material as built saves {100 * saved:.0f} %"
+        f"{times(median(ratios))} as fast in the median of {len(ratios)} cases ({min(ratios):.3g} to {max(ratios):.3g})"
     )
-    if quicker:
-        found += f"; but quicker in {', '.join(quicker)}"
-    return Claim("One universal material is nowhere quicker than one that holds only what it needs", found, not quicker)
+    if slower:
+        found += f"; but slower in {', '.join(slower)}"
+    return Claim("Specialised materials are faster than one universal material", found, not slower)
 
 
 def _pictures(run: Run) -> Claim | None:
     if not run.left_out:
         return None
     differing = [case.title for case in run.left_out if not case.all_same]
-    put_back = sum(any(one.same is not None for one in case.dropped) for case in run.left_out)
+    put_back = sum(any(one.same is not None for one in case.omitted) for case in run.left_out)
     found = (
-        f"in {len(run.left_out) - len(differing)} of {len(run.left_out)} cases beside the universal material's, and "
-        f"in {put_back} of these with one thing after the other put back"
+        f"in {len(run.left_out) - len(differing)} of {len(run.left_out)} cases they are those of the universal "
+        f"material, and in {put_back} of these those with each omitted component put back"
     )
     if differing:
-        found += f"; the pictures differ in {', '.join(differing)}"
-    return Claim("Pictures are the same without what was left out", found, not differing)
+        found += f"; they differ in {', '.join(differing)}"
+    return Claim("What the builder leaves out changes no picture", found, not differing)
 
 
 def _stability(run: Run) -> Claim | None:
     if not run.cases:
         return None
-    failed = [f"{case.group}: {case.what} {case.value} {case.setup}".rstrip() for case in run.cases if not case.passed]
+    failed = [f"{case.group}: {case_title(case)}" for case in run.cases if not case.passed]
     limited = sum(bool(case.limit) for case in run.cases if case.passed)
     found = f"{len(run.cases) - len(failed)} of {len(run.cases)}, {limited} of them within a stated limit"
     if failed:
-        found += f"; failed: {'; '.join(failed)}"
         by_z = sum(case.z is not None for case in run.cases)
+        found += f"; failed: {'; '.join(failed)}"
         found += f"; {by_z} are judged by Z, of which one fails by chance in one report of a hundred"
     return Claim("Extreme cases pass", found, not failed)
 
 
 def _everyday(run: Run) -> Claim | None:
-    if not run.everyday:
+    rows = run.everyday
+    if not rows:
         return None
-    where: dict[str, list[str]] = {what: [] for what in ("the picture is off", "it is slower", "a warning is wrong")}
-    for one in run.everyday:
-        for what, fails in zip(where, (not one.right, not one.quick, bool(one.said)), strict=True):
-            where[what] += [f"{one.title}, {one.subject}"] * fails
-    failed = {title for titles in where.values() for title in titles}
-    timed = [one.time for one in run.everyday if one.time is not None]
-    found = f"in {len(run.everyday) - len(failed)} of {len(run.everyday)} scenes and subjects"
-    if timed:
-        found += f"; it takes {times(median(timed))} as long in the median of {len(timed)}, at most {times(max(timed))}"
-    found += "".join(f"; {what} in {'; '.join(titles)}" for what, titles in where.items() if titles)
-    claim = "In everyday scenes the default shows what the nearest native material does, without a wrong warning"
-    return Claim(f"{claim}, in at most {times(SLOWER)} its time", found, not failed)
+    where = {
+        "the picture is off": [one for one in rows if not one.right],
+        "it is slower": [one for one in rows if not one.quick],
+        "a warning is wrong": [one for one in rows if one.warnings],
+    }
+    slowdowns = [one.slowdown for one in rows if one.slowdown is not None]
+    found = f"in {sum(one.passed for one in rows)} of {len(rows)} scenes and subjects"
+    if slowdowns:
+        found += f"; it takes {times(median(slowdowns))} as long in the median of {len(slowdowns)}, "
+        found += f"at most {times(max(slowdowns))}"
+    for what, ones in where.items():
+        if ones:
+            found += f"; {what} in {'; '.join(f'{one.title}, {one.subject}' for one in ones)}"
+    claim = "In everyday scenes the default shows what the nearest native material shows, without a wrong warning"
+    return Claim(f"{claim}, in at most {times(SLOWER)} its time", found, all(one.passed for one in rows))
+
+
+def case_title(case: Case) -> str:
+    return f"{case.what} {value_text(case)} {case.setup}".strip()
+
+
+def value_text(case: Case) -> str:
+    """And what float32 makes of it, where that is another number for a reader: 1 for 1 + 1e-9."""
+    value, held = case.value, case.held
+    rounded = isinstance(value, float) and held is not None and held != value and held == round(held)
+    return _words(value) + (f" ({held:g} in float32)" if rounded else "")
+
+
+def _words(value: Any) -> str:
+    """A number, or a table by its names and values."""
+    if isinstance(value, dict):
+        return ", ".join(f"{name.replace('_', ' ')} {_words(one)}" for name, one in value.items()) or "as usual"
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+# What else is said
+
+
+def _winners(run: Run) -> str:
+    """In the median and at worst, as one estimator may be the best in most scenes and far off in some."""
+    said = []
+    for name in AGAINST:
+        factors = [(win.over[name], contest.title) for contest, win in run.wins if name in win.over]
+        if factors:
+            worst, where = max(factors)
+            middle = median(factor for factor, _ in factors)
+            said.append(f"{name}'s error is {times(middle)} the smallest, at worst {times(worst)} ({where})")
+    if not said:
+        return ""
+    but = "; not counted where the light is rarely hit" if any(contest.rarely_hit for contest in run.contests) else ""
+    return f"At equal time, in the median, {' and '.join(said)}{but}."
+
+
+def _bends(run: Run) -> str:
+    """Why curves are no straight lines of slope -1/2; by slopes that are known well enough.
+
+    Nothing where Cycles' even samples do no better than independent ones: then the cause is another.
+    """
+    known = [
+        (curve.estimator, curve.slope.value)
+        for contest, curve in run.curves
+        if curve.competes and curve.slope and curve.slope.known_to(SLOPE_BAR) and not contest.cell.smooth
+    ]
+    even, hashed, both = ([slope for name, slope in known if name in names] for names in (EVEN, (HASHED,), (BOTH,)))
+    if not even or not hashed or median(even) >= median(hashed):
+        return ""
+
+    def fall(slopes: Iterable[float]) -> str:
+        low, middle, high = (number(of(slopes)) for of in (min, median, max))
+        return f"{middle} in the median ({low} to {high})"
+
+    said = (
+        f"The noise of {', '.join(EVEN)} falls as samples to the power of {fall(even)}, as Cycles spreads a pixel's "
+        f"samples evenly; {HASHED}'s as {fall(hashed)}, as a hash draws its facets independently"
+    )
+    if both:
+        said += f"; that of {BOTH}, which is part of each, as {fall(both)}"
+    return f"{said}. Errors stop falling where bias is left, and jump where a light is met for the first time."
+
+
+def _backends(run: Run) -> str:
+    """Where both were timed: elsewhere OSL would show the same pictures again."""
+    timed = {contest.title: contest.osl_over_nodes for contest in run.contests if contest.osl_over_nodes}
+    if not timed:
+        return ""
+    ratios = [ratio for of in timed.values() for ratio in of.values()]
+    return (
+        f"A sample takes {times(median(ratios))} as long as OSL as it does as nodes, in the median of {len(ratios)} "
+        f"estimators in {'; '.join(timed)}, the only scenes timed as both."
+    )
+
+
+def _duration(run: Run) -> str:
+    return f"All of this took {run.seconds / 60:.0f} minutes to measure." if run.seconds else ""

@@ -1,45 +1,51 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two reports held against each other: what got better, what got worse. Pure NumPy; imports no bpy.
+"""Two reports compared: what got better, what got worse. Pure NumPy; imports no bpy.
 
-- Error, at equal samples: changed if by more than its noise allows, and by more than ``SMALLEST`` of itself. Of each
-  contender the worst and the best change are told: neither hides the other.
-- Bias, at the most samples: changed if it can be told from 0 in one report alone, and by more than noise allows.
-- Time, over a peer of Cycles' in the same cell, so that the machine drops out: changed by more than ``SLOWER``, and by
+- Error, at equal samples: changed if by more than its noise allows, and by more than ``SMALLEST`` of itself. The worst
+  and the best change of each contender are shown: neither hides the other.
+- Bias, at the most samples: changed if it can be distinguished from 0 in one report alone, and by more than its noise.
+- Time, over a peer of Cycles' in the same cell, so that the machine cancels: changed by more than ``SLOWER``, and by
   more than the scatter of the seeds' times allows.
-- Saving: the universal material's time over a material as built, by more than ``SLOWER``; likewise the size of a
-  material as built: its nodes, OSL instructions, and what of memory is beyond ``LITTLE``.
+- The universal material's time over a material as built, by more than ``SLOWER``; likewise the size of a material as
+  built: its nodes, OSL instructions, and memory beyond ``LITTLE``.
 - Extreme cases: passed in one, failed in the other. Pictures of the universal material: likewise.
-- Automatic: another choice, within its bar of the best in one report and beyond it in the other.
+- Automatic: another choice, close to the best in one report and not in the other.
 - What only one report has: worse if it is gone, unless one report alone is quick.
 
-FLIP says what the error says, of the same pictures, and is not judged again. Peers are there to be held against, and
-are not judged themselves. The tables of documents are not compared: they are
-told as they are.
+Peers are there to be compared with and are not judged themselves; nor are FLIP, which says of the same pictures what
+the error says, and the tables of documents.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..bench.record import ReportError
-from .findings import rmse_error
+from .claims import case_title
 from .words import percent, times
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
-    from .findings import Case, Contest, Curve, LeftOut, Run
+    from ..bench.cells import Case, LeftOut
+    from .contest import Contest
+    from .curve import Curve
+    from .findings import Run
+
+    Indices = NDArray[np.intp]
+    Figures = dict[tuple[str, str, str], Any]
+    Judged = tuple[str, str, str, bool]
 
 SLOWER = 1.25  # ratio of times below which nothing is said
-SMALLEST = 0.01  # change of an error, of itself, below which nothing is said
-LITTLE = 16.0  # MB, by which what a process holds scatters
-MISTAKEN = 0.01  # probability that noise alone makes a comparison tell a change, of all its figures together
+SMALLEST = 0.01  # relative change of an error below which nothing is said
+LITTLE = 16.0  # MB, by which a process's memory scatters
+MISTAKEN = 0.01  # probability that noise alone makes a comparison show a change, of all its figures together
 LONGEST = 3  # sample counts whose times are judged: those beside which a start is short
 
 
@@ -61,208 +67,165 @@ def changes(before: list[Run], after: list[Run]) -> tuple[list[Change], int]:
 
     ReportError if they have none in common.
     """
-    pairs = list(_pairs(before, after))
-    count = sum(_figures(a, b) for a, b in pairs)
+    pairs = [(_figures(a), _figures(b), b.blender, a.quick == b.quick) for a, b in _pairs(before, after)]
+    count = sum(_weight(*figure) for a, b, *_ in pairs for figure in _shared(a, b))
     if not count:
         message = "the two reports have no figure in common; measure the same Blender in both"
         raise ReportError(message)
-    limit = _limit(count)
-    found = [
-        change
-        for a, b in pairs
-        for change in (
-            *_gone(a, b),
-            *_accuracy(a, b, limit),
-            *_automatic(a, b),
-            *_stability(a, b),
-            *_left_out(a, b),
-        )
-    ]
-    had, has = ({run.blender: run for run in of} for of in (before, after))
+    limit = NormalDist().inv_cdf((1.0 - MISTAKEN / 2.0) ** (1.0 / count))  # Sidak
+    found: list[Change] = []
+    for a, b, blender, comparable in pairs:
+        if comparable:
+            found += [_there(blender, *name, gone=True) for name in _missing(a, b)]
+            found += [_there(blender, *name, gone=False) for name in _missing(b, a)]
+        for (kind, where, who), one, other in _shared(a, b):
+            found += [Change(blender, where, who, *change) for change in JUDGES[kind](one, other, limit)]
+    had, has = ({run.blender for run in of} for of in (before, after))
     if len(before) > 1 or len(after) > 1:
-        found += [_there(blender, "", "", gone=True) for blender in had.keys() - has.keys()]
-        found += [_there(blender, "", "", gone=False) for blender in has.keys() - had.keys()]
+        found += [_there(blender, "", "", gone=True) for blender in had - has]
+        found += [_there(blender, "", "", gone=False) for blender in has - had]
     return sorted(found, key=lambda change: (True, False, None).index(change.worse)), count
 
 
 def _pairs(before: list[Run], after: list[Run]) -> Iterator[tuple[Run, Run]]:
-    """Runs of the same Blender; of one each, those."""
+    """Runs of the same Blender; if there is one each, those."""
     if len(before) == len(after) == 1:
         yield before[0], after[0]
         return
     others = {run.blender: run for run in after}
-    for run in before:
-        if run.blender in others:
-            yield run, others[run.blender]
+    yield from ((run, others[run.blender]) for run in before if run.blender in others)
 
 
-def _limit(count: int) -> float:
-    """Standard errors that noise exceeds anywhere among ``count`` figures with probability ``MISTAKEN`` (Sidak)."""
-    return NormalDist().inv_cdf((1.0 - MISTAKEN / 2.0) ** (1.0 / count))
+def _figures(run: Run) -> Figures:
+    """All that can be judged, by kind, where and who."""
+    found: Figures = {}
+    for contest in run.contests:
+        found["contest", contest.title, ""] = contest
+        for name, curve in contest.curves.items():
+            found["peer" if curve.peer else "curve", contest.title, name] = (contest, curve)
+        found |= {("count", contest.title, f"{samples:g} samples"): None for samples in contest.cell.samples}
+    found |= {("case", case.group, case_title(case)): case for case in run.cases}
+    return found | {("left_out", "left out", one.title): one for one in run.left_out}
 
 
-def _figures(a: Run, b: Run) -> int:
-    """How many figures both have: errors by sample count, times, and cases."""
-    errors = sum(len(_common(one, other)[0]) + 1 for _, one, other in _curves(a, b) if not one.peer)
-    cases = len({_name(case) for case in a.cases} & {_name(case) for case in b.cases})
-    return errors + cases + len({case.title for case in a.left_out} & {case.title for case in b.left_out})
+def _shared(a: Figures, b: Figures) -> list[tuple[tuple[str, str, str], Any, Any]]:
+    return [(key, one, b[key]) for key, one in a.items() if key in b and key[0] in JUDGES]
 
 
-def _gone(a: Run, b: Run) -> Iterator[Change]:
-    """What only one of them has; nothing between a quick and a full report, as they differ in that by intent."""
-    if a.quick != b.quick:
-        return
-    had, has = _measured(a), _measured(b)
-    for some, others, gone in ((had, has, True), (has, had, False)):
-        for where, who in some:
-            if (where, who) not in others and (not who or (where, "") in others):  # the whole is told once
-                yield _there(b.blender, where, who, gone=gone)
+def _weight(key: tuple[str, str, str], one: Any, other: Any) -> int:
+    """How many figures of both are compared: a curve's errors by sample count and its time, or one."""
+    if key[0] == "contest":
+        return 0
+    return len(_common(one[1], other[1])[0]) + 1 if key[0] == "curve" else 1
+
+
+def _missing(a: Figures, b: Figures) -> list[tuple[str, str]]:
+    """Where and who is in the first alone; a whole that is missing is named once."""
+    had, has = (dict.fromkeys(name for _, where, who in of for name in ((where, ""), (where, who))) for of in (a, b))
+    return [name for name in had if name not in has and (not name[1] or (name[0], "") in has)]
 
 
 def _there(blender: str, where: str, who: str, *, gone: bool) -> Change:
     return Change(blender, where, who, "measured", *(("yes", "no") if gone else ("no", "yes")), worse=gone or None)
 
 
-def _measured(run: Run) -> dict[tuple[str, str], None]:
-    """Where and who, in order; a whole without a who."""
-    found: list[tuple[str, str]] = []
-    for contest in run.contests:
-        counts = {f"{count:g} samples" for curve in contest.curves.values() for count in curve.samples}
-        found += [(contest.title, who) for who in ("", *contest.curves, *sorted(counts))]
-    for case in run.cases:
-        found += [(case.group, ""), (case.group, _called(case))]
-    for one in run.left_out:
-        found += [("left out", ""), ("left out", one.title)]
-    return dict.fromkeys(found)
+# Judges: what changed, before, after, and whether it is worse
 
 
-def _contests(a: Run, b: Run) -> Iterator[tuple[Contest, Contest]]:
-    others = {contest.title: contest for contest in b.contests}
-    for contest in a.contests:
-        if contest.title in others:
-            yield contest, others[contest.title]
+def _automatic(one: Contest, other: Contest, _limit: float) -> Iterator[Judged]:
+    picks = {pick.samples: pick for pick in other.picks}
+    for pick in one.picks:
+        new = picks.get(pick.samples, pick)
+        if new.close != pick.close and new.estimator != pick.estimator:
+            before, after = (f"{times(of.ratio)} ({of.estimator})" for of in (pick, new))
+            yield f"error over the best at {pick.samples} samples", before, after, pick.close
 
 
-def _curves(a: Run, b: Run) -> Iterator[tuple[tuple[Contest, Contest], Curve, Curve]]:
-    for contest, other in _contests(a, b):
-        for name, curve in contest.curves.items():
-            if name in other.curves:
-                yield (contest, other), curve, other.curves[name]
+def _curve(one: tuple[Contest, Curve], other: tuple[Contest, Curve], limit: float) -> Iterator[Judged]:
+    here, there = _common(one[1], other[1])
+    if len(here):
+        yield from _time(one, other, (here, there), limit)
+        yield from _error(one[1], other[1], (here, there), limit)
 
 
-def _common(one: Curve, other: Curve) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _common(one: Curve, other: Curve) -> tuple[Indices, Indices]:
     """Where both have the same sample counts."""
     _, here, there = np.intersect1d(one.samples, other.samples, return_indices=True)
     return here, there
 
 
-def _accuracy(a: Run, b: Run, limit: float) -> Iterator[Change]:
-    for (contest, other), one, two in _curves(a, b):
-        here, there = _common(one, two)
-        if one.peer or not len(here):
-            continue
-        place = (b.blender, contest.title, one.name)
-        yield from _time(place, (contest, other), (one, two), (here, there), limit)
-        known = one.resolved[here] & two.resolved[there]
-        here, there = here[known], there[known]
-        if not len(here):
-            continue
-        off = two.rmse[there] - one.rmse[here]
-        allowed = limit * np.hypot(rmse_error(one)[here], rmse_error(two)[there])
-        allowed = np.maximum(allowed, SMALLEST * np.minimum(one.rmse[here], two.rmse[there]))
-        for sign in (1.0, -1.0):
-            beyond = np.where(sign * off > allowed, np.abs(off) / np.maximum(one.rmse[here], 1e-12), 0.0)
-            most = int(np.argmax(beyond))
-            if beyond[most] > 0.0:
-                samples = f"error at {one.samples[here][most]:g} samples"
-                figures = percent(one.rmse[here][most]), percent(two.rmse[there][most])
-                yield Change(*place, samples, *figures, worse=sign > 0.0)
-        moved = two.bias2[there[-1]] - one.bias2[here[-1]]
-        noise = limit * np.hypot(two.bias2_error[there[-1]], one.bias2_error[here[-1]])
-        if one.told_at[here[-1]] != two.told_at[there[-1]] and abs(moved) > noise:
-            figures = _bias(one, here[-1]), _bias(two, there[-1])
-            yield Change(*place, "bias", *figures, worse=bool(moved > 0.0))
+def _error(one: Curve, two: Curve, where: tuple[Indices, Indices], limit: float) -> Iterator[Judged]:
+    known = one.resolved[where[0]] & two.resolved[where[1]]
+    here, there = where[0][known], where[1][known]
+    if not len(here):
+        return
+    off = two.rmse[there] - one.rmse[here]
+    allowed = limit * np.hypot(one.rmse_error[here], two.rmse_error[there])
+    allowed = np.maximum(allowed, SMALLEST * np.minimum(one.rmse[here], two.rmse[there]))
+    for sign in (1.0, -1.0):
+        beyond = np.where(sign * off > allowed, np.abs(off) / np.maximum(one.rmse[here], 1e-12), 0.0)
+        most = int(np.argmax(beyond))
+        if beyond[most] > 0.0:
+            errors = percent(one.rmse[here][most]), percent(two.rmse[there][most])
+            yield f"error at {one.samples[here][most]:g} samples", *errors, sign > 0.0
+    last = here[-1], there[-1]
+    growth = two.bias2[last[1]] - one.bias2[last[0]]
+    noise = limit * np.hypot(two.bias2_error[last[1]], one.bias2_error[last[0]])
+    if one.biased_at[last[0]] != two.biased_at[last[1]] and abs(growth) > noise:
+        yield "bias", _bias(one, last[0]), _bias(two, last[1]), bool(growth > 0.0)
 
 
 def _bias(curve: Curve, index: int) -> str:
-    return percent(float(np.sqrt(curve.bias2[index]))) if curve.told_at[index] else "not told from 0"
+    return percent(float(np.sqrt(curve.bias2[index]))) if curve.biased_at[index] else "not distinguished from 0"
 
 
 def _time(
-    place: tuple[str, str, str],
-    contests: tuple[Contest, Contest],
-    curves: tuple[Curve, Curve],
-    where: tuple[NDArray[np.intp], NDArray[np.intp]],
-    limit: float,
-) -> Iterator[Change]:
+    one: tuple[Contest, Curve], other: tuple[Contest, Curve], where: tuple[Indices, Indices], limit: float
+) -> Iterator[Judged]:
     """Over the first peer of Cycles' that both cells have: the geometric mean of the ratios at the most samples.
 
     The log of a time has the variance of the seeds' times, as a share; that of a median of S of them at most pi / 2 of
     that over S. Those of four medians, both contenders' in both reports, add up.
     """
-    names = [
-        name for name, curve in contests[0].curves.items() if curve.peer == "cycles" and name in contests[1].curves
-    ]
+    names = [name for name, curve in one[0].curves.items() if curve.peer == "cycles" and name in other[0].curves]
     if not names:
         return
     ratios, variance = [], 0.0
-    for contest, curve, index in zip(contests, curves, where, strict=True):
+    for (contest, curve), index in zip((one, other), where, strict=True):
         last, peer = index[-LONGEST:], contest.curves[names[0]]
         ratios.append(float(np.exp(np.mean(np.log(curve.cpu[last] / peer.cpu[last])))))
         spread2 = np.mean(curve.cpu_spread[last] ** 2 + peer.cpu_spread[last] ** 2)  # pooled: of few seeds it is rough
-        variance += float(np.pi / 2.0 * spread2 * np.mean(1.0 / contest.seeds[last]) / len(last))
+        seeds = np.array(contest.cell.seeds)[last]
+        variance += float(np.pi / 2.0 * spread2 * np.mean(1.0 / seeds) / len(last))
     growth = np.log(ratios[1] / ratios[0])
     if abs(growth) > max(np.log(SLOWER), limit * np.sqrt(variance)):
-        yield Change(*place, f"time over {names[0]}", times(ratios[0]), times(ratios[1]), worse=bool(growth > 0.0))
+        yield f"time over {names[0]}", times(ratios[0]), times(ratios[1]), bool(growth > 0.0)
 
 
-def _automatic(a: Run, b: Run) -> Iterator[Change]:
-    for one, other in _contests(a, b):
-        picks = {pick.samples: pick for pick in other.picks}
-        for pick in one.picks:
-            new = picks.get(pick.samples, pick)
-            if new.close != pick.close and new.estimator != pick.estimator:
-                before, after = (f"{times(of.ratio)} ({of.estimator})" for of in (pick, new))
-                what = f"error over the best at {pick.samples} samples"
-                yield Change(b.blender, one.title, "Automatic", what, before, after, worse=pick.close)
+def _case(one: Case, other: Case, _limit: float) -> Iterator[Judged]:
+    if other.passed != one.passed:
+        yield "case", *(("passed", "FAILED") if one.passed else ("FAILED", "passed")), one.passed
 
 
-def _name(case: Case) -> tuple[str, str, str, str]:
-    return case.group, case.what, case.value, case.setup
+def _left_out(one: LeftOut, other: LeftOut, _limit: float) -> Iterator[Judged]:
+    slowdown = one.slowdown, other.slowdown
+    if not 1.0 / SLOWER <= slowdown[1] / slowdown[0] <= SLOWER:
+        yield "saving", times(slowdown[0]), times(slowdown[1]), slowdown[1] < slowdown[0]
+    sizes = {
+        "nodes": (one.nodes[0], other.nodes[0]),
+        "OSL instructions": (one.instructions[0], other.instructions[0]),
+        "MB of memory": tuple(max(of.memory_mb[0], LITTLE) if of.memory_mb else 0.0 for of in (one, other)),
+    }
+    for what, (before, after) in sizes.items():
+        if before and after and not 1.0 / SLOWER <= after / before <= SLOWER:
+            yield what, f"{before:.0f}", f"{after:.0f}", after > before
+    if one.same != other.same:
+        yield "picture", *(("same", "DIFFERS") if one.same else ("DIFFERS", "same")), one.same
 
 
-def _called(case: Case) -> str:
-    return f"{case.what} {case.value} {case.setup}".strip()
-
-
-def _stability(a: Run, b: Run) -> Iterator[Change]:
-    others = {_name(case): case for case in b.cases}
-    for case in a.cases:
-        other = others.get(_name(case), case)
-        if other.passed != case.passed:
-            figures = ("passed", "FAILED") if case.passed else ("FAILED", "passed")
-            yield Change(b.blender, case.group, _called(case), "case", *figures, worse=case.passed)
-
-
-def _left_out(a: Run, b: Run) -> Iterator[Change]:
-    others = {case.title: case for case in b.left_out}
-    for case in a.left_out:
-        other = others.get(case.title, case)
-        place = (b.blender, "left out", case.title)
-        if not 1.0 / SLOWER <= other.time / case.time <= SLOWER:
-            yield Change(*place, "saving", times(case.time), times(other.time), worse=other.time < case.time)
-        for what, before, after in _sizes(case, other):
-            if not 1.0 / SLOWER <= after / before <= SLOWER:
-                yield Change(*place, what, f"{before:.0f}", f"{after:.0f}", worse=after > before)
-        if case.same != other.same:
-            figures = ("same", "DIFFERS") if case.same else ("DIFFERS", "same")
-            yield Change(*place, "picture", *figures, worse=case.same)
-
-
-def _sizes(case: LeftOut, other: LeftOut) -> Iterator[tuple[str, float, float]]:
-    """What both have of the material as built."""
-    yield "nodes", case.nodes[0], other.nodes[0]
-    if case.instructions[0] and other.instructions[0]:
-        yield "OSL instructions", case.instructions[0], other.instructions[0]
-    if case.memory_mb and other.memory_mb:
-        yield "MB of memory", max(case.memory_mb[0], LITTLE), max(other.memory_mb[0], LITTLE)
+JUDGES: dict[str, Callable[[Any, Any, float], Iterator[Judged]]] = {
+    "contest": _automatic,
+    "curve": _curve,
+    "case": _case,
+    "left_out": _left_out,
+}

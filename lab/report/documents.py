@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The figures that documents tell: each stands between two marks that name it, and is written there from a report.
+"""The figures that documents show: each stands between two marks that name it, and is written there from a report.
 
     <!-- report fit.gentle -->3.5 %<!-- /report -->
 
@@ -12,30 +12,50 @@ import re
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from ...addon.library.errors import InputError
-from ...addon.library.files import read_text, write_text
+from ...addon.library.files import FileError, read_text, write_text
 from ..bench.record import ReportError
-from . import summary
+from ..bench.scene_table import SCENES
+from . import automatic, published, summary
 from .words import percent, times
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from .findings import Contest, Run
+    from ..bench.cells import Table
+    from .published import CurveFigures, Published
 
 MARKED = re.compile(r"<!-- report (\S+) -->(.*?)<!-- /report -->", re.DOTALL)
 PAGES = ("README.md", "docs/*.md")
 LONGEST_PAGE = 10_000_000  # bytes
-LOW, HIGH = 0.4, 1.0  # slopes to which two figures of the README go
-GRAZING = 85.0  # degrees, to which they go
 SPEED_SCENES = ("environment", "softbox", "sun")
 PEER = "Metallic BSDF"  # whose time and noise are 1
-SPEED_SAMPLES = 256
 
 
-def rewritten(text: str, found: list[Run]) -> str:
-    """A document with the figures of a report. ReportError if it names one that is not had."""
+def write(folder: Path, found: Published) -> Iterator[Path]:
+    """Rewrite a checkout's documents, docs/figures.json and Automatic's table, or none of them; those that changed."""
+    published.require_one_program(found)
+    table = folder / automatic.FILE
+    new = {
+        folder / published.FILE: published.to_json(found),
+        folder / "docs" / summary.FILE: summary.markdown(found),
+        table: automatic.to_toml(automatic.updated(automatic.read(table), found)),
+    }
+    for path in sorted(path for pattern in PAGES for path in folder.glob(pattern)):
+        if path not in new:
+            try:
+                new[path] = rewritten(read_text(path, LONGEST_PAGE), found)
+            except (FileError, ReportError) as error:
+                message = f"{path}: {error}"
+                raise ReportError(message) from error
+    for path, text in new.items():
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            write_text(path, text)
+            yield path
+
+
+def rewritten(text: str, found: Published) -> str:
+    """A document with the figures of a report. ReportError if it names one that was not measured."""
 
     def one(match: re.Match[str]) -> str:
         return f"<!-- report {match[1]} -->{figure(match[1], found)}<!-- /report -->"
@@ -43,105 +63,91 @@ def rewritten(text: str, found: list[Run]) -> str:
     return MARKED.sub(one, text)
 
 
-def figure(name: str, found: list[Run]) -> str:
-    """A figure as documents tell it; a table stands on lines of its own."""
+def figure(name: str, found: Published) -> str:
+    """A figure as documents show it; a table stands on lines of its own."""
     if name not in FIGURES:
         message = f"there is no figure {name}; there are {', '.join(FIGURES)}"
         raise ReportError(message)
     try:
-        told = FIGURES[name](found)
+        text = FIGURES[name](found)
     except (KeyError, IndexError, ValueError, StopIteration) as error:
-        message = f"the report has not measured what {name} tells; measure it in full"
+        message = f"the report has not measured {name}; measure it in full"
         raise ReportError(message) from error
-    return f"\n\n{told}\n\n" if "\n" in told else told
+    return f"\n\n{text}\n\n" if "\n" in text else text
 
 
-def write(folder: Path, found: list[Run]) -> Iterator[Path]:
-    """Rewrite the documents of a checkout; those that changed."""
-    for path in sorted(path for pattern in PAGES for path in folder.glob(pattern)):
-        try:
-            text = read_text(path, LONGEST_PAGE)
-            new = rewritten(text, found)
-        except InputError as error:
-            message = f"{path}: {error}"
-            raise ReportError(message) from error
-        if new != text:
-            write_text(path, new)
-            yield path
+# Figures
 
 
-# --- figures --------------------------------------------------------------------------------------------------------
+def _table(found: Published, cell: str, name: str) -> Table:
+    """Of the first Blender that has it: what is computed does not depend on it."""
+    return next(run.tables[cell][name] for run in found.runs.values() if cell in run.tables)
 
 
-def _rows(found: list[Run], cell: str, name: str) -> list[list[Any]]:
-    """Of the default Blender: what is computed does not depend on it."""
-    return next(run.tables[cell][name]["rows"] for run in found if cell in run.tables)
+def _whole(cell: str, name: str, *formats: str) -> Callable[[Published], str]:
+    """A table as it is; formats: of the columns, the last one of all that follow."""
 
+    def shown(found: Published) -> str:
+        table = _table(found, cell, name)
+        return _markdown(table.columns, ([form(value, k) for k, value in enumerate(row)] for row in table.rows))
 
-def _table(cell: str, name: str, *formats: str) -> Callable[[list[Run]], str]:
-    """A table as it is; formats: of the columns, the last of all that follow."""
+    def form(value: Any, column: int) -> str:
+        kind = formats[min(column, len(formats) - 1)]
+        return f"{100.0 * value:.1f}" if kind == "%" else format(value, kind)
 
-    def told(found: list[Run]) -> str:
-        run = next(run for run in found if cell in run.tables)
-        table = run.tables[cell][name]
-        return _markdown(table["columns"], ([_form(value, k) for k, value in enumerate(row)] for row in table["rows"]))
-
-    def _form(value: Any, column: int) -> str:
-        form = formats[min(column, len(formats) - 1)]
-        if form == "%":
-            return f"{100.0 * value:.1f}"
-        return format(value, form)
-
-    return told
+    return shown
 
 
 def _markdown(columns: Any, rows: Any) -> str:
     return "\n".join(summary.table(columns, rows))
 
 
-def _summary(found: list[Run]) -> str:
-    """Of the default Blender; a report has the others'."""
-    lines = [f"- {line}" for line in summary.headlines(found[0])]
-    return "\n".join([f"Blender {found[0].blender}:", "", *lines])
+def _summary(found: Published) -> str:
+    """Of the default Blender; report.md has the others'."""
+    blender, run = next(iter(found.runs.items()))
+    return "\n".join([f"Blender {blender}:", "", *(f"- {line}" for line in run.headlines)])
 
 
-def _fit_worst(highest: float) -> Callable[[list[Run]], str]:
-    def told(found: list[Run]) -> str:
-        rows = [row for row in _rows(found, "fit", "l1") if row[0] <= highest]
+def _fit_worst(highest: float) -> Callable[[Published], str]:
+    """Of slopes up to ``highest``."""
+
+    def shown(found: Published) -> str:
+        rows = [row for row in _table(found, "fit", "l1").rows if row[0] <= highest]
         return percent(max(value for row in rows for value in row[2::2]))
 
-    return told
+    return shown
 
 
-def _fit_l1(found: list[Run]) -> str:
-    views = [name.removeprefix("closure ") for name in found[0].tables["fit"]["l1"]["columns"][1::2]]
+def _fit_l1(found: Published) -> str:
+    table = _table(found, "fit", "l1")
+    views = [name.removeprefix("closure ") for name in table.columns[1::2]]
     rows = [
         [f"{row[0]:g}", *(f"{100.0 * row[k]:.1f} / {100.0 * row[k + 1]:.1f}" for k in range(1, len(row), 2))]
-        for row in _rows(found, "fit", "l1")
+        for row in table.rows
     ]
     return _markdown(["m", *(f"{view} deg" for view in views)], rows)
 
 
-def _extreme(column: str, form: str) -> Callable[[list[Run]], str]:
-    def told(found: list[Run]) -> str:
-        (row,) = _rows(found, "oren_nayar", "extremes")
-        return format(row[found[0].tables["oren_nayar"]["extremes"]["columns"].index(column)], form)
+def _extreme(column: str, form: str) -> Callable[[Published], str]:
+    def shown(found: Published) -> str:
+        table = _table(found, "oren_nayar", "extremes")
+        return format(table.rows[0][table.columns.index(column)], form)
 
-    return told
+    return shown
 
 
-def _formula_rows(table: str, estimator: str, found: list[Run]) -> Iterator[tuple[str, float, float, float]]:
+def _formula_rows(table: str, estimator: str, found: Published) -> Iterator[tuple[str, float, float, float]]:
     """Setup, slope or sigma, largest difference and bar, on every Blender."""
-    for run in found:
-        for row in run.tables.get("formula", {table: {"rows": []}})[table]["rows"]:
+    for run in found.runs.values():
+        for row in run.tables["formula"][table].rows if "formula" in run.tables else ():
             if row[0] == estimator:
                 yield tuple(row[1:])
 
 
-def _formula(estimator: str) -> Callable[[list[Run]], str]:
+def _formula(estimator: str) -> Callable[[Published], str]:
     """The worst of all setups and Blenders, by slope."""
 
-    def told(found: list[Run]) -> str:
+    def shown(found: Published) -> str:
         rows = list(_formula_rows("cook_torrance", estimator, found))
         slopes = sorted({m for _, m, _, _ in rows}, reverse=True)
         worst = [max(off for _, m, off, _ in rows if m == one) for one in slopes]
@@ -149,19 +155,19 @@ def _formula(estimator: str) -> Callable[[list[Run]], str]:
         columns = ["m", *(f"{m:g}" for m in slopes)]
         return _markdown(columns, [["worst", *map(_power, worst)], ["bar", *map(_power, bars)]])
 
-    return told
+    return shown
 
 
 def _formula_worst(
     table: str, estimator: str, low: float, high: float, setups: Callable[[str], bool] = bool
-) -> Callable[[list[Run]], str]:
+) -> Callable[[Published], str]:
     """Of slopes or sigmas from ``low`` to ``high``."""
 
-    def told(found: list[Run]) -> str:
+    def shown(found: Published) -> str:
         rows = _formula_rows(table, estimator, found)
         return _power(max(off for setup, number, off, _ in rows if low <= number <= high and setups(setup)))
 
-    return told
+    return shown
 
 
 def _is_svm(setup: str) -> bool:
@@ -176,82 +182,86 @@ def _power(value: float) -> str:
     return f"{value:.1e}"
 
 
-def _keys_worst(found: list[Run]) -> str:
-    return ", ".join(f"{off:.2e} at {tolerance:g}" for tolerance, off in _rows(found, "keys", "worst"))
+def _keys_worst(found: Published) -> str:
+    return ", ".join(f"{off:.2e} at {tolerance:g}" for tolerance, off in _table(found, "keys", "worst").rows)
 
 
-def _keys_exponential(found: list[Run]) -> str:
-    tolerance, pieces, fewest = _rows(found, "keys", "exponential")[0]
+def _keys_exponential(found: Published) -> str:
+    tolerance, pieces, fewest = _table(found, "keys", "exponential").rows[0]
     return f"exp(-t) to {tolerance:g}: {pieces} straight pieces; fewer than {fewest:.1f} cannot do."
 
 
-def _batch(found: list[Run]) -> str:
+def _costs(found: Published) -> dict[str, dict[str, Any]]:
+    """What ``vgroove batch`` costs, by Blender."""
+    return {name: dict(run.tables["batch"]["cost"].rows) for name, run in found.runs.items() if "batch" in run.tables}
+
+
+def _batch(found: Published) -> str:
     """One column a Blender."""
-    costs = {run.blender: dict(run.tables["batch"]["cost"]["rows"]) for run in found if "batch" in run.tables}
-    rows = [
-        ["64 x 64 at 16 samples, a `vgroove render` process a still",
-         *(f"{of['seconds by a process a still']:.2f} s" for of in costs.values())],
-        ["the same in a batch", *(f"{of['seconds in a batch']:.3f} s" for of in costs.values())],
-        ["throughput of a batch over that",
-         *(times(of["seconds by a process a still"] / of["seconds in a batch"]) for of in costs.values())],
-        ["outside Cycles' own render call, over it, at 64 x 64 and 16 samples",
-         *(percent(of["outside Cycles at 64 x 64 and 16 samples"]) for of in costs.values())],
-        ["at 256 x 256 and 64 samples",
-         *(percent(of["outside Cycles at 256 x 256 and 64 samples"]) for of in costs.values())],
-        ["growth of a process that is never replaced, a task",
-         *(f"{of['bytes a task'] / 1000.0:.1f} kB" for of in costs.values())],
-    ]  # fmt: skip
-    return _markdown(["", *costs], rows)
+    costs = _costs(found)
+    alone, together = "seconds by a process a still", "seconds in a batch"
+    rows: dict[str, Callable[[dict[str, Any]], str]] = {
+        "64 x 64 at 16 samples, a `vgroove render` process a still": lambda of: f"{of[alone]:.2f} s",
+        "the same in a batch": lambda of: f"{of[together]:.3f} s",
+        "throughput of a batch over that": lambda of: times(of[alone] / of[together]),
+        "outside Cycles' own render call, over it, at 64 x 64 and 16 samples": lambda of: percent(
+            of["outside Cycles at 64 x 64 and 16 samples"]
+        ),
+        "at 256 x 256 and 64 samples": lambda of: percent(of["outside Cycles at 256 x 256 and 64 samples"]),
+        "growth of a process that is never replaced, a task": lambda of: f"{of['bytes a task'] / 1000.0:.1f} kB",
+    }
+    return _markdown(["", *costs], [[what, *map(form, costs.values())] for what, form in rows.items()])
 
 
-def _batch_stills(found: list[Run]) -> str:
-    counts = [dict(run.tables["batch"]["cost"]["rows"])["stills"] for run in found if "batch" in run.tables]
-    return " and ".join(dict.fromkeys(map(str, counts)))
+def _batch_stills(found: Published) -> str:
+    return " and ".join(dict.fromkeys(str(of["stills"]) for of in _costs(found).values()))
 
 
-def _speed(found: list[Run]) -> str:
+def _copper(found: Published, scene: str, contender: str) -> CurveFigures:
+    return found.default.scenes[f"{scene}/copper"].curves[contender]
+
+
+def _speed(found: Published) -> str:
     """Time a sample, and noise at equal samples, over the peer's, by estimator and scene."""
-    contests = [_contest(found[0], scene, "copper") for scene in SPEED_SCENES]
-    names = {curve.estimator: None for contest in contests for curve in contest.rivals}
+    scenes = {name: found.default.scenes[f"{name}/copper"].curves for name in SPEED_SCENES}
     rows = []
-    for name in names:
-        row = [name]
-        for contest in contests:
-            peer, own = contest.curves[PEER], contest.curves.get(f"{name}, nodes")
-            if own is None:
+    for name in dict.fromkeys(name for curves in scenes.values() for name in curves if name.endswith(", nodes")):
+        row = [name.removesuffix(", nodes")]
+        for curves in scenes.values():
+            if name not in curves:
                 row += ["", ""]
                 continue
-            at = list(own.samples).index(SPEED_SAMPLES)
-            row += [
-                f"{own.per_sample / peer.per_sample:.2f}",
-                f"{own.noise[at] / peer.noise[at]:.2f}" if own.resolved[at] and not own.seldom else "rare hits",
-            ]
+            own, peer = curves[name], curves[PEER]
+            noise = "rare hits" if own.noise is None or peer.noise is None else f"{own.noise / peer.noise:.2f}"
+            row += [f"{own.seconds_per_sample / peer.seconds_per_sample:.2f}", noise]
         rows.append(row)
-    columns = [text for contest in contests for text in (f"{contest.title}: time", "noise")]
+    columns = [text for name in scenes for text in (f"{SCENES[name].title}, copper: time", "noise")]
     return _markdown(["estimator", *columns], rows)
 
 
-def _contest(run: Run, scene: str, subject: str) -> Contest:
-    return next(one for one in run.contests if (one.scene, one.subject) == (scene, subject))
-
-
-def _osl(found: list[Run]) -> str:
-    ratios = [ratio for contest in found[0].contests for ratio in contest.osl_over_nodes.values()]
+def _osl(found: Published) -> str:
+    """The median ratio of a sample's time, of all that were timed as both."""
+    ratios = [
+        osl.seconds_per_sample / of.curves[name.replace(", osl", ", nodes")].seconds_per_sample
+        for of in found.default.scenes.values()
+        for name, osl in of.curves.items()
+        if name.endswith(", osl")
+    ]
     return times(median(ratios))
 
 
-def _fit_time(scene: str) -> Callable[[list[Run]], str]:
-    def told(found: list[Run]) -> str:
-        curves = _contest(found[0], scene, "copper").curves
-        return times(curves["fit, nodes"].per_sample / curves["closure, nodes"].per_sample)
+def _fit_time(scene: str) -> Callable[[Published], str]:
+    def shown(found: Published) -> str:
+        fit, closure = (_copper(found, scene, f"{name}, nodes") for name in ("fit", "closure"))
+        return times(fit.seconds_per_sample / closure.seconds_per_sample)
 
-    return told
+    return shown
 
 
-FIGURES: dict[str, Callable[[list[Run]], str]] = {
+FIGURES: dict[str, Callable[[Published], str]] = {
     "summary": _summary,
-    "fit.gentle": _fit_worst(LOW),
-    "fit.rough": _fit_worst(HIGH),
+    "fit.gentle": _fit_worst(0.4),
+    "fit.rough": _fit_worst(1.0),
     "fit.l1": _fit_l1,
     "formula.direct": _formula("direct"),
     "formula.closure": _formula("closure"),
@@ -261,17 +271,17 @@ FIGURES: dict[str, Callable[[list[Run]], str]] = {
     "formula.diffuse_svm": _formula_worst("oren_nayar", "direct", 0.0, 2.0, _is_svm),
     "formula.diffuse_osl": _formula_worst("oren_nayar", "direct", 0.0, 2.0, _is_osl),
     "formula.diffuse_closure": _formula_worst("oren_nayar", "closure", 0.0, 2.0),
-    "errata.area": _table("errata", "area", "g", ".6f"),
-    "errata.head_on": _table("errata", "head_on", "g", ".6f"),
-    "errata.oblique": _table("errata", "oblique", "g", ".6f"),
-    "oren_nayar.short": _table("oren_nayar", "short", ".2f", "%"),
-    "oren_nayar.full": _table("oren_nayar", "full", ".2f", "%"),
-    "oren_nayar.qualitative": _table("oren_nayar", "qualitative", ".2f", "%"),
-    "oren_nayar.full_5_3": _table("oren_nayar", "full_5_3", ".2f", "%"),
-    "oren_nayar.qualitative_5_3": _table("oren_nayar", "qualitative_5_3", ".2f", "%"),
+    "errata.area": _whole("errata", "area", "g", ".6f"),
+    "errata.head_on": _whole("errata", "head_on", "g", ".6f"),
+    "errata.oblique": _whole("errata", "oblique", "g", ".6f"),
+    "oren_nayar.short": _whole("oren_nayar", "short", ".2f", "%"),
+    "oren_nayar.full": _whole("oren_nayar", "full", ".2f", "%"),
+    "oren_nayar.qualitative": _whole("oren_nayar", "qualitative", ".2f", "%"),
+    "oren_nayar.full_5_3": _whole("oren_nayar", "full_5_3", ".2f", "%"),
+    "oren_nayar.qualitative_5_3": _whole("oren_nayar", "qualitative_5_3", ".2f", "%"),
     "oren_nayar.weight": _extreme("weight", ".1f"),
     "oren_nayar.albedo": _extreme("albedo", ".2f"),
-    "keys.keys": _table("keys", "keys", ""),
+    "keys.keys": _whole("keys", "keys", ""),
     "keys.worst": _keys_worst,
     "keys.exponential": _keys_exponential,
     "batch.cost": _batch,

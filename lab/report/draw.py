@@ -6,43 +6,45 @@ from __future__ import annotations
 import shutil
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ...addon.library.files import replacing
+from ...addon.library.files import replacing, write_text
 from ..bench.record import ReportError
-from . import page, plots, summary
+from . import page, plots, published, summary
+from .findings import runs
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from .findings import Run
+    from ..bench.record import Report
 
 PLOTS = "plots"
 
 
-def told(runs: list[Run]) -> list[Run]:
-    """Those that hold more than tables for documents."""
-    return [run for run in runs if run.contests or run.cases or run.left_out or run.everyday]
-
-
-def draw(runs: list[Run], machine: Mapping[str, Any], pictures: Path | None, folder: Path) -> list[Path]:
-    """Write report.html, report.md and plots/ to ``folder``; what was written.
+def draw(report: Report, pictures: Path | None, folder: Path) -> list[Path]:
+    """Write report.html, report.md and plots/ to ``folder``, all of them or none; what was written.
 
     pictures: where the pictures that the report names are; None for a page without them. ReportError if there is
     nothing to draw.
     """
-    found = told(runs)
+    found = [run for run in runs(report) if run.contests or run.cases or run.left_out or run.everyday]
     if not found:
         message = "the report holds no measurements yet; give `vgroove report -o DIR` more time"
         raise ReportError(message)
-    with tempfile.TemporaryDirectory(prefix="vgroove-") as place:  # nothing of a report that cannot be drawn whole
+    with tempfile.TemporaryDirectory(prefix="vgroove-") as place:
         made = Path(place)
         (made / PLOTS).mkdir()
-        figures = {run.blender: plots.draw(run, made / PLOTS) for run in found}
-        page.write(made / page.FILE, found, machine, figures, made / PLOTS, pictures)
-        summary.write(made / summary.FILE, found, machine, figures)
+        for run in found:
+            plots.draw(run, made / PLOTS)
+        page.write(made / page.FILE, found, report.machine, made / PLOTS, pictures)
+        write_text(made / summary.FILE, summary.markdown(published.publish(report)))
         (folder / PLOTS).mkdir(parents=True, exist_ok=True)
         for path in (path for path in made.rglob("*") if path.is_file()):
             with replacing(folder / path.relative_to(made)) as temporary:
                 shutil.copyfile(path, temporary)
     return [folder / page.FILE, folder / summary.FILE, folder / PLOTS]
+
+
+def plot(report: Report, folder: Path) -> None:
+    """Write the plots alone, as PNG, to ``folder``/plots."""
+    (folder / PLOTS).mkdir(parents=True, exist_ok=True)
+    for run in runs(report):
+        plots.draw(run, folder / PLOTS)

@@ -7,23 +7,24 @@ import base64
 from dataclasses import dataclass
 from importlib.resources import files
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import jinja2
 import numpy as np
 from matplotlib import image
 
 from ...addon.library.files import write_text
-from . import claims, summary
+from . import claims, tables
+from .summary import KINDS, title
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from .findings import Contest, Run
-    from .plots import Drawn
+    from ..bench.cells import Pictures
+    from ..bench.record import Machine
+    from .findings import Run
 
 FILE = "report.html"
 AMPLIFIED = 16  # the difference of two pictures as shown, by so much
@@ -39,47 +40,36 @@ class Swap:
 
 
 @dataclass(frozen=True)
-class Pictures:
-    """Of one scene and subject."""
+class Looks:
+    """The pictures of one scene and subject, as data URLs."""
 
     reference: str
     swaps: list[Swap]
 
 
-def write(
-    path: Path,
-    found: list[Run],
-    machine: Mapping[str, Any],
-    figures: Mapping[str, Mapping[str, Drawn]],
-    plots: Path,
-    pictures: Path | None,
-) -> None:
-    """figures: by Blender and kind, what lies in ``plots``; pictures: as in ``draw``."""
+def write(path: Path, found: list[Run], machine: Machine, plots: Path, pictures: Path | None) -> None:
+    """plots: the folder of the figures; pictures: as in ``draw``."""
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     template = environment.from_string(files(__package__).joinpath("page.jinja").read_text(encoding="utf-8"))
     shown = {
-        (run.blender, contest.title): looks(contest, pictures)
+        (run.blender, contest.title): looks(contest.cell.pictures, pictures)
         for run in found
         for contest in run.contests
-        if pictures is not None and contest.pictures
+        if pictures is not None and contest.cell.pictures
     }
-    vectors = {
-        one.name: _url("svg+xml", (plots / f"{one.name}.svg").read_bytes())
-        for drawn in figures.values()
-        for one in drawn.values()
-    }
+    vectors = {one.stem: _url("svg+xml", one.read_bytes()) for one in plots.glob("*.svg")}
     text = template.render(
-        runs=found, machine=summary.machine_text(machine), figures=figures, vectors=vectors, pictures=shown,
-        say=summary, broken=claims.BROKEN, amplified=AMPLIFIED,
+        runs=found, machine=machine, vectors=vectors, texts={kind: text for kind, (_, text) in KINDS.items()},
+        pictures=shown, title=title, claims=claims, tables=tables, amplified=AMPLIFIED,
     )  # fmt: skip
     write_text(path, text)
 
 
-def looks(contest: Contest, folder: Path) -> Pictures | None:
+def looks(kept: Pictures, folder: Path) -> Looks | None:
     """The pictures of a contest as they are shown; None without the reference, and without those that are gone."""
     from ...addon.blender.images import load, srgb
 
-    there = {name: folder / file for name, file in contest.pictures.items() if (folder / file).is_file()}
+    there = {name: folder / file for name, file in kept.files.items() if (folder / file).is_file()}
     if "reference" not in there:
         return None
     reference = srgb(load(there.pop("reference")))
@@ -87,7 +77,7 @@ def looks(contest: Contest, folder: Path) -> Pictures | None:
     for name, path in there.items():
         render = srgb(load(path))
         swaps.append(Swap(name, _png(render), _png(AMPLIFIED * np.abs(render - reference))))
-    return Pictures(_png(reference), swaps)
+    return Looks(_png(reference), swaps)
 
 
 def _png(picture: NDArray[np.floating]) -> str:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -23,7 +23,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from .findings import Case, Contest, Curve, Run
+    from ..bench.cells import Case
+    from .contest import Contest
+    from .curve import Curve
+    from .findings import Run
 
 DPI = 110
 SHADES = 64  # of a PNG
@@ -63,28 +66,21 @@ PANEL = (2.7, 2.1)  # inches
 IN_A_ROW = 40  # cases
 
 
-class Drawn(NamedTuple):
-    """A figure's name without an ending, and the text in its place for who cannot see it."""
-
-    name: str
-    text: str
-
-
-def draw(run: Run, folder: Path) -> dict[str, Drawn]:
-    """Draw what a run has numbers for: "error", "noise", "stability", "left_out"."""
-    wanted: dict[str, tuple[bool, Callable[[Run], Figure], str]] = {
-        "error": (bool(run.contests), error, "Error against processor time, a panel for each scene and subject"),
-        "noise": (bool(run.contests), noise, "Noise and bias against samples, a panel for each scene and subject"),
-        "stability": (bool(run.cases), stability, "Extreme cases by group: passed, passed within a limit, failed"),
-        "left_out": (bool(run.left_out), left_out, "Render time of the universal material over each as it is built"),
+def draw(run: Run, folder: Path) -> list[str]:
+    """Draw what a run has numbers for, of ``summary.KINDS``; the names of the figures, without an ending."""
+    wanted: dict[str, tuple[bool, Callable[[Run], Figure]]] = {
+        "error": (bool(run.contests), error),
+        "noise": (bool(run.contests), noise),
+        "stability": (bool(run.cases), stability),
+        "left_out": (bool(run.left_out), left_out),
     }
-    drawn = {}
+    names = []
     with mpl.rc_context(STYLE):
-        for kind, (there, made, text) in wanted.items():
+        for kind, (there, made) in wanted.items():
             if there:
-                drawn[kind] = Drawn(f"{kind}-{run.blender}", text)
-                _save(made(run), folder / drawn[kind].name)
-    return drawn
+                names.append(f"{kind}-{run.blender}")
+                _save(made(run), folder / names[-1])
+    return names
 
 
 def _save(figure: Figure, stem: Path) -> None:
@@ -107,7 +103,7 @@ def error(run: Run) -> Figure:
         for curve, look in _looks(contest):
             ax.plot(curve.cpu, curve.rmse, **look)
             _unknown(ax, curve, curve.cpu, curve.rmse, look["color"])
-            if curve.told:
+            if curve.biased:
                 style = {"c": look["color"], "zorder": 3 if curve.competes else 2}
                 ax.plot([0.93, 1.0], [curve.floor] * 2, **FLOOR, **style, transform=ax.get_yaxis_transform())
     floor = Line2D([], [], label="bias left", c="#666666", **FLOOR)
@@ -123,8 +119,8 @@ def noise(run: Run) -> Figure:
             ax.plot(curve.samples, curve.noise, **(look | {"marker": ""}))
             _unknown(ax, curve, curve.samples, curve.noise, look["color"])
             if curve.competes:
-                bias = np.sqrt(curve.bias2[curve.told_at])
-                ax.plot(curve.samples[curve.told_at], bias, "s", ms=2.5, c=look["color"])
+                bias = np.sqrt(curve.bias2[curve.biased_at])
+                ax.plot(curve.samples[curve.biased_at], bias, "s", ms=2.5, c=look["color"])
     heights = [curve.noise for _, curve in run.curves] + [curve.rmse for _, curve in run.curves]
     _finish(figure, panels, [curve.samples for _, curve in run.curves], heights)
     return figure
@@ -140,7 +136,7 @@ def _panels(run: Run, x_label: str, y_label: str) -> tuple[Figure, list[tuple[Co
     """A panel for each scene, all with the same axes. A subject's are in one row, which short ones share."""
     subjects: dict[str, list[Contest]] = {}
     for contest in run.contests:
-        subjects.setdefault(contest.subject, []).append(contest)
+        subjects.setdefault(contest.cell.subject, []).append(contest)
     columns = max(*(len(row) for row in subjects.values()), min(3, len(run.contests)))
     rows: list[list[Contest]] = []
     for row in subjects.values():
@@ -258,7 +254,7 @@ def stability(run: Run) -> Figure:
 
 def left_out(run: Run) -> Figure:
     """Time of the universal material over each as it is built, the least saving on top."""
-    cases = sorted(run.left_out, key=lambda case: case.time, reverse=True)
+    cases = sorted(run.left_out, key=lambda case: case.slowdown, reverse=True)
     figure = Figure(figsize=(6.5, 0.9 + 0.22 * len(cases)), layout="constrained")
     ax = figure.subplots()
     y = np.arange(len(cases))
@@ -266,9 +262,9 @@ def left_out(run: Run) -> Figure:
         here = [index for index, case in enumerate(cases) if case.backend == backend]
         if here:
             ax.hlines(y[here], *zip(*(cases[index].spread for index in here), strict=True), color=colour, lw=1.5)
-            ax.plot([cases[index].time for index in here], y[here], "o", c=colour, ms=5, label=backend)
+            ax.plot([cases[index].slowdown for index in here], y[here], "o", c=colour, ms=5, label=backend)
     ax.axvline(1.0, c="#666666", lw=1)
-    ax.axvline(float(np.median([case.time for case in cases])), c="#666666", lw=1, ls="--", label="median")
+    ax.axvline(float(np.median([case.slowdown for case in cases])), c="#666666", lw=1, ls="--", label="median")
     ax.set(
         yticks=y,
         yticklabels=[f"{case.case}, {case.scene}, {case.estimator}" for case in cases],

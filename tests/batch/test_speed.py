@@ -3,8 +3,8 @@
 
 import pytest
 
+from vgroove.batch import cost
 from vgroove.batch.job import parse
-from vgroove.lab.bench.figures import batch as cost
 
 pytestmark = [pytest.mark.blender, pytest.mark.once]
 

@@ -14,7 +14,7 @@ from vgroove.addon.blender.material import lamps_to_bind
 from vgroove.addon.choose import advice
 from vgroove.addon.library import presets
 from vgroove.headless import assignment, scene
-from vgroove.lab.bench import everyday_scenes
+from vgroove.lab.bench import everyday_stage
 
 from ..scenes import (
     add,
@@ -242,7 +242,7 @@ def albedo_and_normal(shown, estimator, preset):
         material.build(preset, material.Choice("nodes", estimator, lamps_to_bind(shown, estimator, preset.model)))
     )
     with headless.quiet():
-        return [everyday_scenes._pass(shown, name) for name in ("Denoising Albedo", "Denoising Normal")]
+        return [everyday_stage.render_pass(shown, name) for name in ("Denoising Albedo", "Denoising Normal")]
 
 
 @pytest.mark.parametrize("subject", ["metals/copper", "diffuse/plaster", "plastics/red_plastic"])

@@ -31,7 +31,7 @@ from vgroove.headless import sequence
 
 from ..commands import vgroove
 
-REPORT = Path(__file__).parents[2] / "docs" / "report.json"
+REPORT = Path(__file__).parents[1] / "data" / "report.json"
 FUZZ = settings(
     max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
@@ -637,7 +637,7 @@ def test_a_gallery_takes_any_metadata(line, place, value):
 
 @pytest.fixture(scope="module")
 def small_report():
-    """A few cells of each part of the report in docs/."""
+    """A cell or two of each part of a report."""
     content = json.loads(REPORT.read_text(encoding="utf-8"))
     for run in content["runs"].values():
         kept, count = {}, {}

@@ -6,7 +6,7 @@ import pytest
 
 from vgroove.addon.blender.material import BUILDERS
 from vgroove.lab.bench import accuracy, contenders, scenes, statistics
-from vgroove.lab.report import findings
+from vgroove.lab.bench.scene_table import SCENES
 from vgroove.nodegroups import versions
 
 RNG = np.random.default_rng(7)
@@ -61,16 +61,16 @@ def test_one_picture_cannot_be_told_apart():
 def test_every_subject_has_a_peer_and_every_model_a_subject():
     subjects = contenders.subjects()
     assert {preset.model for preset in subjects.values()} == set(BUILDERS)
-    assert all(list(contenders.peers(preset)) for preset in subjects.values())
+    assert all(list(contenders.native(preset)) for preset in subjects.values())
     assert {of for _, of in contenders.PAIRS} == set(subjects)
-    assert {name for name, _ in contenders.PAIRS} == set(findings.SCENES)
+    assert {name for name, _ in contenders.PAIRS} == set(SCENES)
 
 
 @pytest.mark.blender
 def test_every_peer_is_made_of_the_presets_numbers(blender):
     """Colours have an alpha, the three radii of a body have none."""
     for preset in contenders.subjects().values():
-        for peer in contenders.peers(preset):
+        for peer in contenders.native(preset):
             made = peer.make(blender.context.scene)
             (bsdf,) = (node for node in made.node_tree.nodes if node.bl_idname.startswith("ShaderNodeBsdf"))
             if preset.model == "translucent":
@@ -87,20 +87,19 @@ def test_a_furnace_finds_mirror_without_bias_and_closure_with_its_own(tmp_path, 
     """By the reference: mirror within 4 standard errors of none, closure off by what Smith's G keeps."""
     monkeypatch.setattr(contenders, "QUICK_COUNTS", (64, 256))
     found = accuracy.measure(tmp_path, "furnace", "rough", quick=True)
-    mirror, closure = (found["contenders"][f"{name}, nodes"] for name in ("mirror", "closure"))
-    for bias2, doubt in zip(mirror["bias2"], mirror["bias2_error"], strict=True):
-        assert abs(bias2) < 4.0 * doubt
-    assert closure["bias2"][-1] > 10.0 * closure["bias2_error"][-1]
-    for of in found["contenders"].values():
-        assert len(of["rmse"]) == len(of["wall"]) == len(of["cpu_spread"]) == 2
-        assert all(of["resolved"])
-        assert all(seconds > 0.0 for seconds in (*of["wall"], *of["cpu"]))
-    rounds = (mirror["seeds"][0] - 4) // accuracy.ROUND[64]
+    mirror, closure = (found.contenders[f"{name}, nodes"] for name in ("mirror", "closure"))
+    assert np.all(np.abs(mirror.bias2) < 4.0 * mirror.bias2_error)
+    assert closure.bias2[-1] > 10.0 * closure.bias2_error[-1]
+    for of in found.contenders.values():
+        assert len(of.bias2) == len(of.wall) == len(of.cpu_spread) == 2
+        assert np.all(of.resolved)
+        assert np.all(np.stack([of.wall, of.cpu]) > 0.0)
+    rounds = (mirror.seeds[0] - 4) // accuracy.ROUND[64]
     assert rounds in accuracy.ROUNDS
-    assert mirror["seeds"][1] == 4 + rounds * accuracy.ROUND[256]
-    assert (closure["seeds"], found["seeds"], found["independent"]) == ([4, 4], [4, 4], True)
-    assert mirror["slope_error"] <= accuracy.SLOPE_KNOWN or rounds == accuracy.ROUNDS[-1]
-    assert mirror["noise"][1] == pytest.approx(mirror["noise"][0] / 2.0, rel=0.2)
+    assert mirror.seeds[1] == 4 + rounds * accuracy.ROUND[256]
+    assert (closure.seeds.tolist(), found.seeds, found.independent) == ([4, 4], (4, 4), True)
+    assert mirror.slope_error <= accuracy.SLOPE_KNOWN or rounds == accuracy.ROUNDS[-1]
+    assert mirror.noise[1] == pytest.approx(mirror.noise[0] / 2.0, rel=0.2)
 
 
 @pytest.mark.blender
@@ -109,9 +108,9 @@ def test_a_computed_truth_looks_as_cycles_renders_it(tmp_path, monkeypatch, blen
     monkeypatch.setattr(contenders, "QUICK_COUNTS", (64, 1024))
     monkeypatch.setattr(accuracy, "ROUNDS", range(2, 3))
     found = accuracy.measure(tmp_path, "softbox", "plaster", quick=True)
-    corrected = found["contenders"]["corrected, nodes"]["flip"]
+    corrected = found.contenders["corrected, nodes"].flip
     assert corrected[1] < corrected[0] < 0.05
-    files = found["pictures"]["files"]
+    files = found.pictures.files
     reference, closure = (seen(tmp_path / files[label]) for label in ("reference", accuracy.CLOSURE))
     judged = scenes.ball_pixels(accuracy.PICTURE_SIZE)
     np.testing.assert_array_equal(reference[~judged], closure[~judged])
@@ -125,7 +124,7 @@ def seen(path):
 
 
 @pytest.mark.blender
-@pytest.mark.parametrize("name", findings.SCENES)
+@pytest.mark.parametrize("name", SCENES)
 def test_each_scene_shows_its_ball_where_it_is_judged(name, blender):
     """A material that glows is seen in every judged pixel, and beside the ball in none that is not near it."""
     from vgroove import headless

@@ -3,6 +3,7 @@
 
 import json
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from vgroove import headless
 from vgroove.addon.blender import material
 from vgroove.addon.choose import explain
 from vgroove.addon.library import presets
-from vgroove.lab.bench import left_out, universal
+from vgroove.lab.bench import any_fresnel, left_out, record, universal, universal_data
+from vgroove.lab.bench.cells import LeftOut, OmittedPart
 from vgroove.nodegroups import cook_torrance_closure, fresnel
 
 pytestmark = pytest.mark.blender
@@ -29,7 +31,7 @@ def compared(preset, scene, backend, estimator="auto", changes=(dict,), samples=
         made, found = universal.build(choice), []
         for change in changes:
             left_out._ball(shown).active_material = None
-            found.append(left_out._render(shown, made, change(universal.data_of(preset)), samples)[0])
+            found.append(left_out._render(shown, made, change(universal_data.data_of(preset)), samples)[0])
     assert built.mean() > 1e-3
     return [left_out._compared(built, one, samples, anew=left_out._draws_anew(preset, choice)) for one in found]
 
@@ -89,14 +91,13 @@ def test_what_is_put_back_does_nothing_and_is_there(blender):
         shown.cycles.shading_system = BACKEND == "osl"
         account = explain.explain(preset, shown, BACKEND)
         found, named = left_out._lines(shown, preset, account), left_out._lines(shown, preset, account, most=0)
-    whats = [line["what"].partition(":")[0] for line in found]
-    assert whats == [
+    assert [line.what.partition(":")[0] for line in found] == [
         "closure beside it", "Fresnel terms", "time", "diffuse part", "transmission", "random numbers", "lamp terms"
     ]  # fmt: skip
-    assert named == [{key: line[key] for key in ("what", "why")} for line in found]
-    assert all(line["same"] for line in found), found
-    assert all(line["nodes"] > 0 for line in found[1:]), found
-    assert found[0]["nodes"] == 0  # Cycles drops what only EEVEE shows
+    assert named == tuple(OmittedPart(what=line.what, why=line.why) for line in found)
+    assert all(line.same for line in found), found
+    assert all(line.nodes > 0 for line in found[1:]), found
+    assert found[0].nodes == 0  # Cycles drops what only EEVEE shows
 
 
 def test_switches_are_not_folded(blender):
@@ -107,15 +108,15 @@ def test_switches_are_not_folded(blender):
         found = []
         for name in ("metals/copper", "diffuse/clay"):
             left_out._ball(shown).active_material = None
-            found.append(left_out._render(shown, made, universal.data_of(presets.find(name)), SAMPLES)[0])
+            found.append(left_out._render(shown, made, universal_data.data_of(presets.find(name)), SAMPLES)[0])
     assert left_out._compared(*found, SAMPLES)["difference"] > 0.1
 
 
 def test_no_kind_of_fresnel_term_stays_behind(blender):
     """What the builders of the universal material add for themselves is gone after it, also where one fails."""
     before, lobe = dict(fresnel.KINDS), cook_torrance_closure.lobe
-    with suppress(OSError), universal._any_kind(osl=False):
-        assert set(fresnel.KINDS) - set(before) == {universal.ANY}
+    with suppress(OSError), any_fresnel.any_kind(osl=False):
+        assert set(fresnel.KINDS) - set(before) == {any_fresnel.ANY}
         raise OSError
     assert before == fresnel.KINDS
     assert cook_torrance_closure.lobe is lobe
@@ -140,7 +141,7 @@ def test_instructions_are_those_of_the_bytecode(blender):
 def test_data_hold_every_parameter(name):
     """As floats or triples, for each parameter that a preset has; what it does not have is neutral."""
     preset = presets.find(left_out.CASES[name])
-    data, nothing = universal.data_of(preset), universal.data_of(None)
+    data, nothing = universal_data.data_of(preset), universal_data.data_of(None)
     assert data.keys() == nothing.keys()
     for parameter, value in preset.parameters.items():
         known = parameter.removesuffix("_1")
@@ -158,11 +159,12 @@ def test_a_cell_is_what_json_can_hold(blender, monkeypatch):
     """Every number that the page needs, of a setup in small."""
     monkeypatch.setattr(left_out, "SIZE", 8)
     monkeypatch.setattr(left_out, "SAMPLES", {"nodes": 2})
-    found = left_out.setup(presets.find("glasses/frosted_glass"), "lamps", "nodes", 1)
-    assert json.loads(json.dumps(found, allow_nan=False)) == found
-    assert found["nodes"]["universal"] > 10 * found["nodes"]["built"]
-    assert found["same"]
-    assert found["first"]["ratio"] > 1.0  # it has some hundred times as many nodes to compile
+    found = left_out.setup("glass", presets.find("glasses/frosted_glass"), "lamps", "nodes", 1)
+    kept = json.loads(json.dumps(record.CODEC.unstructure(found), allow_nan=False))
+    assert record.CODEC.structure(kept, LeftOut).nodes == found.nodes
+    assert found.nodes[1] > 10 * found.nodes[0]
+    assert found.same
+    assert found.first > 1.0  # it has some hundred times as many nodes to compile
 
 
 def test_explain_has_the_numbers_as_json():
@@ -197,3 +199,17 @@ def test_explain_says_what_the_universal_material_cannot_do(blender, monkeypatch
         assert ["does not fit in this Blender" in said for said in (nodes, native, osl)] == [
             not room, not room, False
         ]  # fmt: skip
+
+
+def test_memory_is_that_of_the_scene_it_was_measured_in(monkeypatch):
+    """By processes that build each material under the lamps."""
+    monkeypatch.setattr(left_out, "_memory", lambda _identity, which: {"built": 45.0, "universal": 169.0}[which])
+    one = LeftOut(
+        case="", preset="", scene="", backend="", estimator="", slowdown=2.0, spread=(2, 2), first=2.0, nodes=(1, 2)
+    )
+    monkeypatch.setattr(
+        left_out, "setup", lambda case, preset, name, backend, *_, **__: replace(one, scene=name, backend=backend)
+    )
+    found = left_out.measure("schlick")
+    assert [(of.scene, of.memory_mb) for of in found if of.memory_mb] == [("lamps", (45.0, 169.0))]
+    assert len(found) > 3

@@ -9,8 +9,9 @@ from vgroove.addon.blender import gonio
 from vgroove.addon.library import presets
 from vgroove.addon.reference.fresnel import fresnel_conductor, schlick
 from vgroove.headless import scene
-from vgroove.lab.bench import contenders, mitsuba_peer, scenes
+from vgroove.lab.bench import contenders, mitsuba_peer, mitsuba_scenes, scene_table, scenes
 from vgroove.lab.bench.flip import flip
+from vgroove.lab.bench.peers import cook_torrance
 from vgroove.nodegroups import versions
 
 SIZE, SAMPLES, SEEDS = 16, 128, 8
@@ -73,7 +74,7 @@ def test_flip_refuses_pictures_of_two_sizes():
 def test_conductor_has_schlicks_f0_and_is_nearest_to_schlick():
     """F0 to rounding, elsewhere at most as far as ``DIFFERS`` says, and farther with any other n."""
     cos = np.linspace(0.0, 1.0, 301)
-    n, k = np.array(mitsuba_peer.conductor_like(COPPER))
+    n, k = np.array(cook_torrance.conductor_like(COPPER))
 
     def distance(n, k):
         return np.max(np.abs(fresnel_conductor(cos, n, k) - schlick(cos, COPPER)), axis=0)
@@ -113,7 +114,7 @@ def test_every_subject_of_the_report_has_a_peer_that_says_how_it_differs():
 def test_the_maps_lattice_lies_where_mitsuba_looks():
     """Columns at pixels' middles, rows from pole to pole: what grows evenly is read off as it is."""
     y, x = np.mgrid[0:16, 0:32].astype(np.float32) / 32.0
-    found = mitsuba_peer.resampled(np.stack([x, y, 0 * x], axis=-1))
+    found = mitsuba_scenes.resampled(np.stack([x, y, 0 * x], axis=-1))
     assert found.shape == (17, 32, 3)
     inner = found[1:-1, 1:-1]  # elsewhere the map repeats or ends
     np.testing.assert_allclose(inner[..., 0], np.broadcast_to(np.arange(1, 31) / 32.0, (15, 30)), atol=1e-6)
@@ -129,8 +130,8 @@ def test_the_maps_cut_loses_no_light():
     world = np.zeros((16, 32, 3), np.float32)
     world[8, 16] = 600.0
     tent = 1.0 - np.abs(np.linspace(-1.0, 1.0, 2001))
-    light = 4.0 * np.mean(np.minimum(600.0 * np.outer(tent, tent), mitsuba_peer.BRIGHTEST))
-    assert mitsuba_peer.resampled(world).sum(axis=(0, 1)) == pytest.approx(np.full(3, light), rel=1.0 / 8.0)
+    light = 4.0 * np.mean(np.minimum(600.0 * np.outer(tent, tent), scene_table.BRIGHTEST))
+    assert mitsuba_scenes.resampled(world).sum(axis=(0, 1)) == pytest.approx(np.full(3, light), rel=1.0 / 8.0)
 
 
 def shaded(kind, **values):
@@ -150,7 +151,7 @@ def cycles(name, make):
     """Pictures by ``SEEDS`` seeds, of a ball without visible facets."""
     with headless.quiet(), scenes.stage(name, SIZE) as stage:
         stage.item.data = scene.ball_mesh(512, 256)  # within 2e-5 of a sphere
-        assert stage.scene.cycles.max_bounces == mitsuba_peer.BOUNCES
+        assert stage.scene.cycles.max_bounces == mitsuba_scenes.BOUNCES
         stage.item.active_material = make()
         stage.scene.cycles.samples = SAMPLES
         stage.scene.view_layers[0].update()
@@ -180,10 +181,10 @@ def mitsuba(peer, name, bsdf):
 
 
 @pytest.mark.blender
-@pytest.mark.parametrize("name", mitsuba_peer.SCENES)
+@pytest.mark.parametrize("name", mitsuba_scenes.SCENES)
 def test_mitsubas_scenes_are_those_of_cycles(blender, peer, name):
     """Camera, light, its units and its orientation: a Lambert ball is the same picture in both."""
-    bsdf = {"type": "diffuse", "reflectance": mitsuba_peer.rgb(COLOUR)}
+    bsdf = {"type": "diffuse", "reflectance": mitsuba_scenes.rgb(COLOUR)}
     ours = cycles(name, lambda: shaded("ShaderNodeBsdfDiffuse", Color=(*COLOUR, 1.0)))
     everything = np.ones((SIZE, SIZE), np.bool_)
     assert_same(ours, mitsuba(peer, name, bsdf), everything if name == "checker" else scenes.ball_pixels(SIZE))

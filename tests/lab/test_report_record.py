@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a report keeps: nothing of other code, nothing lost to failures or to another Blender, and numbers alone."""
+"""What a report keeps: nothing measured by other code, nothing lost to failures or to another Blender, only numbers."""
 
-import ast
 import json
+import re
 import shutil
 
+import numpy as np
 import pytest
 
 from vgroove import cli
-from vgroove.lab.bench import record, run
-from vgroove.lab.bench.record import Cell, ReportError, begun
+from vgroove.lab.bench import digest, record, run
+from vgroove.lab.bench.cells import PARTS, Case, Picks, Table
+from vgroove.lab.bench.record import Cell, ReportError, open_or_create
 from vgroove.lab.report import draw
 
 
@@ -18,9 +20,13 @@ def path(tmp_path):
     return tmp_path / record.FILE
 
 
-def test_a_record_goes_on(path):
-    begun(path, "5.2.3", quick=False).keep("accuracy/b", {"n": 1.5})
-    assert begun(path, "5.2.3", quick=False).cells == {"accuracy/b": {"n": 1.5}}
+def picks(*names):
+    return Picks(names)
+
+
+def test_a_record_is_resumed(path):
+    open_or_create(path, "5.2.3", quick=False).add("picks/b", picks("fit"))
+    assert open_or_create(path, "5.2.3", quick=False).run.cells == {"picks/b": picks("fit")}
 
 
 @pytest.mark.parametrize(
@@ -32,74 +38,110 @@ def test_a_record_goes_on(path):
     ],
 )
 def test_what_else_was_measured_is_not_mixed_in(path, of, other, said):
-    begun(path, "5.2.3", quick=False).keep("accuracy/b", {})
+    open_or_create(path, "5.2.3", quick=False).add("picks/b", picks())
     content = json.loads(path.read_text())
     was = content["runs"]["5.2.3"][of]
     content["runs"]["5.2.3"][of] = was | other if isinstance(other, dict) else other
     path.write_text(json.dumps(content))
     with pytest.raises(ReportError, match=rf"holds {said}.*; choose another folder with -o$"):
-        begun(path, "5.2.3", quick=False)
-    assert begun(path, "4.5.15", quick=False).cells == {}
+        open_or_create(path, "5.2.3", quick=False)
+    assert open_or_create(path, "4.5.15", quick=False).run.cells == {}
 
 
-def test_what_other_code_measured_is_measured_anew_where_one_asks_for_it(path):
-    """Part by part; until something new is kept, the file is as it was."""
-    for key in ("accuracy/b", "picks/b", "stability/b"):
-        begun(path, "5.2.3", quick=False).keep(key, {"n": 1})
+def test_what_other_code_measured_is_measured_again_where_one_asks_for_it(path):
+    """Part by part; until something new is added, the file is as it was."""
+    for key, cell in (("figures/b", {}), ("picks/b", picks()), ("stability/b", ())):
+        open_or_create(path, "5.2.3", quick=False).add(key, cell)
     content = json.loads(path.read_text())
     content["runs"]["5.2.3"]["code"] |= {"picks": "another", "stability": "another"}
     path.write_text(json.dumps(content))
     for again, left in (([], "--again picks --again stability,"), (["picks"], "--again stability,")):
         with pytest.raises(ReportError, match=f"give {left} or another folder"):
-            begun(path, "5.2.3", quick=False, again=again)
-    new = begun(path, "5.2.3", quick=False, again=["picks", "stability"])
+            open_or_create(path, "5.2.3", quick=False, again=again)
+    new = open_or_create(path, "5.2.3", quick=False, again=["picks", "stability"])
     assert json.loads(path.read_text()) == content
-    assert new.cells == {"accuracy/b": {"n": 1}}
-    new.keep("picks/b", {"n": 2})
-    assert begun(path, "5.2.3", quick=False).cells == {"accuracy/b": {"n": 1}, "picks/b": {"n": 2}}
+    assert new.run.cells == {"figures/b": {}}
+    new.add("picks/b", picks("fit"))
+    assert open_or_create(path, "5.2.3", quick=False).run.cells == {"figures/b": {}, "picks/b": picks("fit")}
 
 
 def test_blenders_side_by_side_lose_nothing(path):
-    """Each was begun before the other kept anything."""
-    new, old = (begun(path, blender, quick=False) for blender in ("5.2.3", "4.5.15"))
-    new.keep("accuracy/b", {"n": 1})
-    old.keep("accuracy/b", {"n": 2})
-    new.keep("accuracy/c", {"n": 3})
-    runs = record.read(path)["runs"]
-    assert runs["5.2.3"]["cells"] == {"accuracy/b": {"n": 1}, "accuracy/c": {"n": 3}}
-    assert runs["4.5.15"]["cells"] == {"accuracy/b": {"n": 2}}
+    """Each was opened before the other added anything."""
+    new, old = (open_or_create(path, blender, quick=False) for blender in ("5.2.3", "4.5.15"))
+    new.add("picks/b", picks("fit"))
+    old.add("picks/b", picks("closure"))
+    new.add("picks/c", picks())
+    runs = record.read(path).runs
+    assert runs["5.2.3"].cells == {"picks/b": picks("fit"), "picks/c": picks()}
+    assert runs["4.5.15"].cells == {"picks/b": picks("closure")}
+
+
+def kept(path, key, cell):
+    open_or_create(path, "5.2.3", quick=False).add(key, cell)
+    return record.read(path).runs["5.2.3"].cells[key]
 
 
 def test_a_report_is_small_and_loses_nothing_but_digits(path):
     """Nine of them, and lists of numbers on a line each; text is as it was."""
-    found = {"n": [1 / 3, 2.0, None], "words": ["two  spaces", "[in, brackets]"], "deep": [[1, 2], {"a": [True]}]}
-    begun(path, "5.2.3", quick=False).keep("accuracy/b", found)
-    kept = record.read(path)["runs"]["5.2.3"]["cells"]["accuracy/b"]
-    assert kept == found | {"n": [0.333333333, 2.0, None]}
-    assert '"n": [0.333333333, 2.0, null],' in path.read_text()
+    rows = [[1 / 3, 2.0, None], ["two  spaces", "[in, brackets]", True]]
+    assert kept(path, "figures/b", {"t": Table(["a"], rows)}) == {
+        "t": Table(["a"], [[0.333333333, 2.0, None], rows[1]])
+    }
+    assert "[0.333333333, 2.0, null]," in path.read_text()
 
 
-def test_what_is_next_to_1_is_not_1(path):
-    begun(path, "5.2.3", quick=False).keep("stability/b", {"value": [1.0 - 1e-9, 1.0 + 1e-9, 1.0]})
-    assert record.read(path)["runs"]["5.2.3"]["cells"]["stability/b"]["value"] == [1.0 - 1e-9, 1.0 + 1e-9, 1.0]
+def case(**more):
+    return Case(**{"group": "b", "what": "", "value": 0.0, "setup": "", "finite": True, "passed": True} | more)
+
+
+def test_what_is_next_to_1_is_not_1_and_what_is_no_number_is_null(path):
+    cases = kept(path, "stability/b", tuple(case(value=value) for value in (1.0 - 1e-9, 1.0 + 1e-9, 1.0)))
+    assert [one.value for one in cases] == [1.0 - 1e-9, 1.0 + 1e-9, 1.0]
+    (one,) = kept(path, "stability/b", (case(lowest=float("nan"), highest=float("inf"), z=1.0),))
+    assert (one.lowest, one.highest, one.z) == (None, None, 1.0)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_cell_of_another_type_is_refused_by_its_name(part):
+    machine = {"system": "", "processor": "", "cores": 1, "memory_gb": 1}
+    for wrong in (7, {"x": {"y": 1}}, [[1]]):
+        run = {"vgroove": "", "versions": {}, "quick": True, "cells": {f"{part}/b": wrong}}
+        with pytest.raises(ReportError, match=f"^{part}/b: "):
+            record.structured({"format": record.FORMAT, "machine": machine, "runs": {"5.2": run}})
+
+
+def test_numbers_are_numbers():
+    """No text, truth value or null stands in for one."""
+    for value in ("1.0", True, None):
+        for kind, wrong in ((float, value), (int, 1.5), (record.Numbers, [value]), (bool, 1), (str, 1)):
+            if (kind, wrong) != (record.Numbers, ["1.0"]) and (kind, wrong) != (record.Numbers, [True]):
+                with pytest.raises((ReportError, TypeError)):
+                    record._structured(wrong, kind, "")
+    assert record._structured([1, 2.5], record.Numbers, "").dtype == np.float64
 
 
 def test_what_a_measurement_took_is_kept_and_what_is_lacking_is_known(path):
-    """Of a part that is measured anew it is forgotten."""
-    one = begun(path, "5.2.3", quick=False)
-    one.expect(3)
-    one.keep("accuracy/b", {"n": 1}, 61.26)
-    one.keep("picks/b", {"n": 1}, 0.5)
-    run = record.read(path)["runs"]["5.2.3"]
-    assert (run["wanted"], run["seconds"]) == (3, {"accuracy/b": 61.3, "picks/b": 0.5})
-    assert begun(path, "5.2.3", quick=False, again=["picks"]).content["runs"]["5.2.3"]["seconds"] == {
-        "accuracy/b": 61.3
-    }
+    """Of a part that is measured again it is forgotten."""
+    one = open_or_create(path, "5.2.3", quick=False)
+    one.run.wanted = 3
+    one.add("figures/b", {}, 61.26)
+    one.add("picks/b", picks(), 0.5)
+    run = record.read(path).runs["5.2.3"]
+    assert (run.wanted, run.seconds) == (3, {"figures/b": 61.3, "picks/b": 0.5})
+    assert open_or_create(path, "5.2.3", quick=False, again=["picks"]).run.seconds == {"figures/b": 61.3}
 
 
-def test_what_is_no_number_is_null(path):
-    begun(path, "5.2.3", quick=False).keep("accuracy/b", {"n": [1.0, float("nan"), (float("inf"),)]})
-    assert record.read(path)["runs"]["5.2.3"]["cells"]["accuracy/b"] == {"n": [1.0, None, [None]]}
+# The digest
+
+
+@pytest.fixture
+def copied(tmp_path, monkeypatch):
+    """The checkout's code in a folder that may be changed."""
+    for folder in ("addon", "nodegroups", "osl", "presets", "lab", "batch", "headless", "cli"):
+        shutil.copytree(digest.ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(digest.ROOT / "__init__.py", tmp_path)
+    monkeypatch.setattr(digest, "ROOT", tmp_path)
+    return tmp_path
 
 
 @pytest.mark.parametrize(
@@ -107,64 +149,63 @@ def test_what_is_no_number_is_null(path):
     [
         ("lab/report/plots.py", ()),
         ("lab/report/documents.py", ()),
-        ("addon/report/page.jinja", ()),
-        ("cli.py", ()),
-        ("addon/choose/automatic.py", ("picks", "left_out", "everyday", "figures")),
+        ("lab/bench/record.py", ()),
+        ("cli/__init__.py", ()),
+        ("addon/ui/panels.py", ()),
+        ("addon/choose/automatic.py", ("picks", "left_out", "everyday")),
+        ("addon/choose/automatic.toml", ("picks", "left_out", "everyday")),
         ("lab/bench/stability.py", ("stability",)),
         ("lab/bench/figures/keys.py", ("figures",)),
-        ("lab/bench/scenes.py", ("accuracy", "picks", "everyday")),
-        ("lab/bench/everyday_scenes.py", ("everyday",)),
-        ("osl/include/vgroove.h", record.PARTS),
-        ("nodegroups/random_numbers.py", record.PARTS),
-        ("presets/lecture/copper.toml", record.PARTS),
-        ("addon/reference/fresnel.py", record.PARTS),
+        ("batch/cost.py", ("figures",)),
+        ("lab/bench/peers/glass.py", ("accuracy", "picks", "everyday")),
+        ("lab/bench/everyday_lights.py", ("everyday",)),
+        ("osl/include/vgroove.h", tuple(PARTS)),
+        ("nodegroups/random_numbers.py", tuple(PARTS)),
+        ("presets/lecture/copper.toml", tuple(PARTS)),
+        ("addon/reference/fresnel.py", tuple(PARTS)),
     ],
 )
-def test_the_digest_of_a_part_is_of_what_decides_its_numbers(tmp_path, monkeypatch, name, parts):
-    """What other parts measure and what draws changes nothing, what all go through changes all."""
-    before = {part: record.code(part) for part in record.PARTS}
-    for folder in record.MEASURED:
-        shutil.copytree(record.ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(record, "ROOT", tmp_path)
-    assert {part: record.code(part) for part in record.PARTS} == before
-    (tmp_path / name).write_text((tmp_path / name).read_text() + "\n")
-    changed = {part for part in record.PARTS if record.code(part) != before[part]}
-    assert changed == set(parts)
+def test_the_digest_of_a_part_is_of_what_decides_its_numbers(copied, name, parts):
+    """What other parts measure and what draws changes nothing; what all parts go through changes all."""
+    before = {part: digest.code(part) for part in PARTS}
+    text = (copied / name).read_text()
+    (copied / name).write_text(text + ("\n# another\n" if name.endswith(".toml") else "\nx = 1\n"))
+    changed = {part for part in PARTS if digest.code(part) != before[part]}
+    assert changed >= set(parts)
+    assert bool(changed) is bool(parts)
+    if name.startswith(("lab/bench/stability", "lab/bench/figures", "batch/", "lab/bench/everyday")):
+        assert changed == set(parts)
 
 
-def imported_by(path):
-    """Modules of vgroove that a file imports anywhere in it, as paths from the root."""
-    package = path.relative_to(record.ROOT).parent.parts
-    for node in ast.walk(ast.parse(path.read_text())):
-        if not isinstance(node, ast.ImportFrom) or not node.level:
-            continue
-        base = [*package[: len(package) - node.level + 1], *(node.module or "").split(".")]
-        base = [part for part in base if part]
-        yield "/".join(base) + ".py"
-        yield from ("/".join([*base, one.name]) + ".py" for one in node.names)
+def test_a_file_that_moves_or_is_reworded_keeps_the_digest(copied):
+    """Its imports are others then, and so are those of who imports it; one number that changes is seen."""
+    before = {part: digest.code(part) for part in PARTS}
+    old, new = copied / "addon/reference/distributions.py", copied / "addon/reference/facets/distributions.py"
+    new.parent.mkdir()
+    (new.parent / "__init__.py").write_text("")
+    text = old.read_text()
+    old.unlink()
+    moved = re.sub(r"^from \.(\w)", r"from ..\1", text, flags=re.MULTILINE)
+    new.write_text(moved.replace('"""', '"""Reworded. ', 1) + "\n# a comment\n")
+    for path in copied.rglob("*.py"):
+        path.write_text(path.read_text().replace(".distributions import", ".facets.distributions import"))
+    assert {part: digest.code(part) for part in PARTS} == before
+    new.write_text(moved.replace("1e-8", "2e-8"))
+    assert all(digest.code(part) != before[part] for part in PARTS)
 
 
-def test_no_part_imports_what_is_said_to_decide_others_alone():
-    """From each part's module on, over all that it imports; types are imported as well and are no exception."""
-    for part in record.PARTS:
-        start = record.ROOT / "addon" / "report" / f"{part}.py"
-        todo = [start] if start.exists() else sorted((start.with_suffix("")).glob("*.py"))
-        seen = set()
-        while todo:
-            path = todo.pop()
-            name = path.relative_to(record.ROOT).as_posix()
-            if name in seen or name == "lab/bench/record.py":
-                continue
-            seen.add(name)
-            todo += [found for one in imported_by(path) if (found := record.ROOT / one).is_file()]
-        assert len(seen) > 5
-        others = [name for name in seen if not record._decides(name, part)]
-        assert others == [], (part, others)
+def test_each_part_is_decided_by_its_module_and_by_none_that_draws():
+    for part in PARTS:
+        found = digest.modules(part)
+        assert {f"lab/bench/{part}.py", f"lab/bench/{part}/__init__.py"} & found
+        assert "nodegroups/cook_torrance.py" in found
+        assert not [name for name in found if name.startswith(("lab/report/", "cli/", "addon/ui/"))]
 
 
-def test_the_parts_are_those_that_are_measured():
-    assert [module.__name__.rpartition(".")[2] for module in run.PARTS] == list(record.PARTS)
-    assert [str(part) for part in cli.report.Part] == list(record.PARTS)
+@pytest.mark.blender
+def test_the_parts_are_those_that_are_measured(blender):
+    assert {cell.key.partition("/")[0] for cell in run.cells(quick=False)} == set(PARTS)
+    assert [str(part) for part in cli.report.Part] == list(PARTS)
 
 
 @pytest.mark.blender
@@ -178,11 +219,11 @@ def test_what_fails_does_not_end_the_rest(tmp_path, monkeypatch, capsys):
             if name == "bad" and asked.count("bad") == 1:
                 message = "out of\nluck"
                 raise RuntimeError(message)
-            return {}
+            return picks()
 
         return Cell(f"picks/{name}", measure)
 
-    monkeypatch.setattr(run, "cells", lambda *, quick: [cell(name) for name in ("good", "bad", "last")])
+    monkeypatch.setattr(run, "cells", lambda *, quick, more: [cell(name) for name in ("good", "bad", "last")])
     monkeypatch.setattr(draw, "draw", lambda *_: [])
     monkeypatch.setattr("sys.argv", ["vgroove", "report", "-o", str(tmp_path)])
     for code in (3, 0):

@@ -12,7 +12,8 @@ from vgroove.addon.blender import fcurves, gonio, lamps, rays
 from vgroove.addon.library import presets
 from vgroove.addon.library.checks import M_RANGE
 from vgroove.addon.reference import Keyframes
-from vgroove.lab.bench import stability
+from vgroove.lab.bench import record, stability
+from vgroove.lab.bench import stability_looks as looks
 from vgroove.lab.bench import stability_pictures as pictures
 from vgroove.lab.bench.stability import Line, Seen, Shot
 from vgroove.lab.check.cook_torrance import materials
@@ -54,15 +55,15 @@ def test_the_last_of_each_line_is_as_asked_or_says_its_limit(instrument, group):
     wanted = {line: (line, value, setup) for line, value, setup in stability.cases(group, quick=True)}
     for case in wanted.values():
         found = stability.judged(*case)
-        assert found["passed"], found
-        json.dumps(found, allow_nan=False)
+        assert found.passed, found
+        json.dumps(record.CODEC.unstructure(found), allow_nan=False)
 
 
 @pytest.mark.parametrize("group", ["slope", "grazing", "fresnel", "oren_nayar", "glass"])
 def test_osl_is_as_asked_at_an_extreme_of_each_group(instrument, group):
     cases = [case for case in stability.cases(group, quick=False) if case[2] == SETUPS[2]]
     last = next(case for case in cases if case[1] == case[0].values[-1])
-    assert stability.judged(*last)["passed"]
+    assert stability.judged(*last).passed
 
 
 def judged(image, **line):
@@ -71,53 +72,53 @@ def judged(image, **line):
 
 def test_what_is_not_finite_negative_or_too_much_fails():
     """And a number that JSON cannot hold is not kept."""
-    assert judged(np.full((4, 4, 3), 0.5))["passed"]
+    assert judged(np.full((4, 4, 3), 0.5)).passed
     for bad in (np.nan, np.inf):
         found = judged(np.array([0.5, bad]))
-        assert not found["passed"]
-        assert found["lowest"] is None
-        json.dumps(found, allow_nan=False)
-    assert not judged(np.array([0.5, -1e-9]))["passed"]
-    assert not judged(np.array([0.5, 1.0001]))["passed"]
-    assert judged(np.array([0.5, 1.0001]), most=None)["passed"]
+        assert not found.passed
+        assert found.lowest is None
+        json.dumps(record.CODEC.unstructure(found), allow_nan=False)
+    assert not judged(np.array([0.5, -1e-9])).passed
+    assert not judged(np.array([0.5, 1.0001])).passed
+    assert judged(np.array([0.5, 1.0001]), most=None).passed
 
 
 def test_a_material_that_is_black_fails(instrument, monkeypatch):
     """Estimators that only come near the formula are held to no Z-test, and yet not to nothing."""
     for what in ("sigma, full, closure", "m, fit", "eta, closure, m = 0.1, outside"):
         line = next(line for line in stability.TABLE if line.what == what)
-        assert stability.judged(line, line.values[2], SETUPS[0])["passed"]
+        assert stability.judged(line, line.values[2], SETUPS[0]).passed
         with monkeypatch.context() as patch:
-            for module, name in ((stability.views, "measure"), (stability.check_glass, "measure_probe")):
+            for module, name in ((looks, "measure"), (looks.check_glass, "measure_probe")):
                 patch.setattr(module, name, lambda *_: np.zeros((8, 64, 3)))
-            assert not stability.judged(line, line.values[2], SETUPS[0])["passed"]
+            assert not stability.judged(line, line.values[2], SETUPS[0]).passed
 
 
 @pytest.mark.parametrize("eta", [1.0 - 2.0**-24, 1.0, 1.0 + 2.0**-23])
 def test_of_next_to_nothing_the_panel_says_that_cycles_leaves_it_out(instrument, eta):
     """Not of nothing; and light that it says is left out is not there."""
-    seen = stability.facets(stability.float32_eta, eta, SETUPS[0])
+    seen = looks.facets(looks.float32_eta, eta, SETUPS[0])
     assert ("leaves out light" in seen.limit) is (eta != 1.0)
     assert not seen.image.any()
 
 
 def test_light_near_the_horizon_says_what_rounding_does(instrument):
-    light = partial(stability.grazing_light, "direct", 1e-3)
+    light = partial(looks.grazing_light, "direct", 1e-3)
     assert light(45.0, SETUPS[0]).limit == ""
     seen = light(89.99, SETUPS[0])
     assert f"held to {100.0 * seen.more['bar']:.2g} % of the lobe" in seen.limit
     assert "held to nothing" in light(89.99999, SETUPS[0]).limit
-    assert stability.grazing_light("corrected", 0.3, 89.99999, SETUPS[2]).limit.endswith("to below 0")
+    assert looks.grazing_light("corrected", 0.3, 89.99999, SETUPS[2]).limit.endswith("to below 0")
 
 
 def test_a_stated_limit_excuses_bias_but_nothing_else():
     """No light beyond what came, nothing negative or broken, and not what it states itself."""
-    row = Row("", SETUPS[0], views=[view(np.full((32, 32, 3), 0.6))])
+    row = Row("", SETUPS[0], "", 0.0, [view(np.full((32, 32, 3), 0.6))])
     for value, holds, passed in ((0.5, True, True), (0.5, False, False), (1.5, True, False), (-1.0, True, False)):
         for limit in ("", "as stated"):
-            seen = Seen(np.array([value]), row=row, limit=limit, more={"holds": holds})
+            seen = Seen(np.array([value]), row=row, limit=limit, holds=holds)
             line = Line("", "", (0.0,), lambda *_, seen=seen: seen, unbiased=True)
-            assert stability.judged(line, 0.0, SETUPS[0])["passed"] == (passed and bool(limit))
+            assert stability.judged(line, 0.0, SETUPS[0]).passed == (passed and bool(limit))
 
 
 def view(image):
@@ -126,10 +127,10 @@ def view(image):
 
 
 def test_numbers_that_json_cannot_hold_are_null():
-    seen = Seen(np.array([0.5]), more={"noise": float("nan"), "lost": float("inf"), "rays": 3.0})
+    seen = Seen(np.array([0.5]), more={"noise": float("nan"), "share": float("inf"), "rays": 3.0})
     found = stability.judged(Line("", "", (0.0,), lambda *_: seen), 0.0, SETUPS[0])
-    assert (found["noise"], found["lost"], found["rays"]) == (None, None, 3.0)
-    json.dumps(found, allow_nan=False)
+    assert (found.noise, found.share, found.rays) == (None, None, 3.0)
+    json.dumps(record.CODEC.unstructure(found), allow_nan=False)
 
 
 def test_few_rays_excuse_the_noise_they_make_and_none_besides(instrument):
@@ -149,40 +150,40 @@ def test_few_rays_excuse_the_noise_they_make_and_none_besides(instrument):
 def test_chance_fails_a_picture_by_one_seed_and_a_bias_by_both(instrument):
     def off(seeds):
         def look(shot, setup):
-            seen = stability.picture(shot, setup)
+            seen = looks.picture(shot, setup)
             return replace(seen, row=seen.row.scaled(1.03)) if shot.seed in seeds else seen
 
         return stability.judged(Line("", "", (Shot(),), look, unbiased=True), Shot(), SETUPS[0])
 
     assert "again" not in off(())
-    assert (off((0,))["again"], off((0,))["passed"]) == (True, True)
-    assert (off((0, 1))["again"], off((0, 1))["passed"]) == (False, False)
+    assert (off((0,)).again, off((0,)).passed) == (True, True)
+    assert (off((0, 1)).again, off((0, 1)).passed) == (False, False)
 
 
 def test_a_panel_that_foresees_the_wrong_rays_fails(instrument, monkeypatch):
-    line = Line("", "", (Shot(where=1e4),), stability.picture, unbiased=True)
-    assert stability.judged(line, Shot(where=1e4), SETUPS[0])["passed"]
+    line = Line("", "", (Shot(where=1e4),), looks.picture, unbiased=True)
+    assert stability.judged(line, Shot(where=1e4), SETUPS[0]).passed
     right = rays.different_rays
     monkeypatch.setattr(rays, "different_rays", lambda shown: 4.0 * right(shown))
-    assert not stability.judged(line, Shot(where=1e4), SETUPS[0])["passed"]
+    assert not stability.judged(line, Shot(where=1e4), SETUPS[0]).passed
 
 
 @pytest.mark.parametrize("estimator", ["direct", "closure", "fit", "corrected"])
 def test_one_percent_in_the_formula_fails_at_grazing_light(instrument, monkeypatch, estimator):
     """By OSL, where Cycles' own lobes have the very Fresnel term in Blender 4.5 too."""
-    light = partial(stability.grazing_light, estimator, 0.3)
-    assert light(89.9, SETUPS[2]).more["holds"]
-    right = stability.rendered
-    monkeypatch.setattr(stability, "rendered", lambda *of: lambda wi, wo: 1.01 * right(*of)(wi, wo))
-    assert not light(89.9, SETUPS[2]).more["holds"]
+    light = partial(looks.grazing_light, estimator, 0.3)
+    assert light(89.9, SETUPS[2]).holds
+    right = looks.rendered
+    monkeypatch.setattr(looks, "rendered", lambda *of: lambda wi, wo: 1.01 * right(*of)(wi, wo))
+    assert not light(89.9, SETUPS[2]).holds
 
 
 def test_a_sun_just_above_the_horizon_stands_where_it_is(instrument, monkeypatch):
     """Blender 5.2 takes what a driver writes for 0 below 1e-4: without a factor the sun is on the horizon there."""
-    light = partial(stability.grazing_light, "direct", 0.3, stability.NEAREST, SETUPS[0])
-    assert light().more["holds"]
+    light = partial(looks.grazing_light, "direct", 0.3, stability.NEAREST, SETUPS[0])
+    assert light().holds
     monkeypatch.setattr(lamps, "AXIS_SCALE", 1)
-    assert light().more["holds"] == (not versions.since(5, 2))
+    assert light().holds == (not versions.since(5, 2))
 
 
 @pytest.mark.parametrize("m", [0.001, 0.3, 10.0])
@@ -192,7 +193,7 @@ def test_grazing_light_sees_the_lobe(instrument, m):
     for theta in (0.0, 45.0, 89.0):
         wi = gonio.Geometry(theta).wi()
         peak = preset.reference().evaluate(wi, wi * [-1.0, -1.0, 1.0]).max()
-        assert stability.grazing_light("direct", m, theta, SETUPS[2]).image.max() > 0.9 * peak
+        assert looks.grazing_light("direct", m, theta, SETUPS[2]).image.max() > 0.9 * peak
 
 
 @pytest.mark.parametrize("factor", [0.98, 1.02])
@@ -205,8 +206,8 @@ def test_two_percent_in_the_weight_of_facets_fails(instrument, factor):
         return replace(seen, row=seen.row.scaled(factor))
 
     for m in (1e-4, 1.0):
-        assert stability.judged(line, m, SETUPS[0])["passed"]
-        assert not stability.judged(replace(line, look=off), m, SETUPS[0])["passed"]
+        assert stability.judged(line, m, SETUPS[0]).passed
+        assert not stability.judged(replace(line, look=off), m, SETUPS[0]).passed
 
 
 def frozen(tree):
@@ -218,19 +219,19 @@ def test_a_constant_in_place_of_the_hash_fails_in_pictures_and_under_the_sky(ble
     """A frozen pattern looks like no noise at all."""
     monkeypatch.setattr(random_numbers, "build", frozen)
     monkeypatch.setattr(random_numbers, "REVISION", 0)
-    for look, value in ((stability.picture, Shot()), (partial(stability.facets, stability.white), 1.0)):
+    for look, value in ((looks.picture, Shot()), (partial(looks.facets, looks.white), 1.0)):
         line = Line("", "", (value,), look, unbiased=True)
-        assert not stability.judged(line, value, SETUPS[0])["passed"]
+        assert not stability.judged(line, value, SETUPS[0]).passed
 
 
 def test_presets_refuse_what_is_out_of_range_and_sockets_stay_finite(instrument):
     """The limit says the range."""
     line = next(line for line in stability.TABLE if line.group == "range" and line.what == "m")
     found = stability.judged(line, 1e-6, SETUPS[0])
-    assert found["finite"]
-    assert "between 0.0001 and 10" in found["limit"]
+    assert found.finite
+    assert "between 0.0001 and 10" in found.limit
     with pytest.raises(presets.PresetError, match="between"):
-        stability.white(1e-6)
+        looks.white(1e-6)
     assert M_RANGE == (1e-4, 10.0)
 
 

@@ -1,24 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What documents tell beside the report's own parts: tables that are computed, or measured, and published as they are.
-
-A cell is one document's, {"tables": {NAME: {"columns": [...], "rows": [[...], ...]}}}, of plain numbers and words; the
-documents say how many digits of them are told.
-"""
+"""Tables that documents show beside the report's own parts: a module for each document, computed or measured."""
 
 from __future__ import annotations
 
 from functools import partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..record import Cell
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-Table = dict[str, list[Any]]  # columns and rows
+    from ..cells import Table
+
 COMPUTED = ("errata", "oren_nayar", "fit", "keys")  # by NumPy alone
-RENDERED = ("formula", "batch")
+RENDERED = ("formula",)
 
 
 def cells(*, quick: bool) -> list[Cell]:
@@ -26,10 +23,7 @@ def cells(*, quick: bool) -> list[Cell]:
     return [Cell(f"figures/{name}", partial(measure, name=name)) for name in names]
 
 
-def measure(_folder: Path, name: str) -> dict[str, Any]:
+def measure(_folder: Path, name: str) -> dict[str, Table]:
     """The tables of the module of that name."""
-    return {"tables": import_module(f".{name}", __name__).tables()}
-
-
-def table(columns: list[str], rows: list[list[Any]]) -> Table:
-    return {"columns": columns, "rows": rows}
+    tables: dict[str, Table] = import_module(f".{name}", __name__).tables()
+    return tables

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....addon.reference import beckmann_d, fresnel_dielectric, spherical
-from . import Table, table
+from ..cells import Table
 
 
 def tables() -> dict[str, Table]:
@@ -39,7 +39,7 @@ def area_of_d() -> Table:
         measure = 2 * np.pi * np.cos(angle) * np.sin(angle) * weight
         printed = sum(lecture_d(a, m) * w for a, w in zip(angle, measure, strict=True))
         rows.append([m, printed, printed * 4 / np.pi, float(np.sum(beckmann_d(spherical(angle), m) * measure))])
-    return table(["m", "as printed", "printed times 4/pi", "corrected"], rows)
+    return Table(["m", "as printed", "printed times 4/pi", "corrected"], rows)
 
 
 def head_on() -> Table:
@@ -50,7 +50,7 @@ def head_on() -> Table:
         wrong_sign = fresnel(1.0, eta**2, -1.0)
         right = float(fresnel_dielectric(1.0, eta))
         rows.append([eta, ((eta - 1) / (eta + 1)) ** 2, wrong_g, wrong_sign, right])
-    return table(["eta", "((eta-1)/(eta+1))^2", "g^2 as printed", "denominator as printed", "corrected"], rows)
+    return Table(["eta", "((eta-1)/(eta+1))^2", "g^2 as printed", "denominator as printed", "corrected"], rows)
 
 
 def oblique() -> Table:
@@ -59,4 +59,4 @@ def oblique() -> Table:
     for degrees in (0, 30, 56.31, 75, 89):
         c = float(np.cos(np.radians(degrees)))
         rows.append([degrees, fresnel(c, 1.5**2 + c**2 - 1, -1.0), float(fresnel_dielectric(c, 1.5))])
-    return table(["angle in degrees", "denominator as printed", "corrected"], rows)
+    return Table(["angle in degrees", "denominator as printed", "corrected"], rows)

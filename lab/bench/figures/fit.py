@@ -14,7 +14,7 @@ from ....addon.reference import Schlick, cook_torrance, smith_g, spherical
 from ....addon.reference import beckmann_d as distribution
 from ....addon.reference.cook_torrance_fit import mixture
 from ....addon.reference.quadrature import gauss_legendre
-from . import Table, table
+from ..cells import Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +27,7 @@ NODES, STEEPEST = 48, 3.2  # quadrature; slopes to 3.2 m hold all but 4e-5 of th
 def tables() -> dict[str, Table]:
     rows = [[m, *(l1 for degrees in VIEWS for l1 in near(m, degrees))] for m in SLOPES]
     columns = ["m", *(f"{name} {view:g}" for view in VIEWS for name in ("closure", "fit"))]
-    return {"l1": table(columns, rows)}
+    return {"l1": Table(columns, rows)}
 
 
 def near(m: float, degrees: float) -> tuple[float, float]:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ....addon.models import fresnel
 from ...check import cook_torrance, oren_nayar
-from . import Table, table
+from ..cells import Table
 
 if TYPE_CHECKING:
     from ...check.rows import Plan, Row
@@ -33,10 +34,10 @@ def worst(plan: Plan) -> Table:
     for measure in plan:
         row = measure()
         ((number, value),) = row.at.items()
-        approximate = row.model == "cook_torrance" and cook_torrance.fresnel_approximation(row.setup, row.variant)
+        approximate = row.variant in fresnel.KINDS and cook_torrance.fresnel_approximation(row.setup, row.variant)
         if not approximate or row.test == "direct":
             found.setdefault((row.test, str(row.setup), value), []).append(row)
-    return table(
+    return Table(
         ["estimator", "setup", number, "worst", "bar"],
         [[*key, max(row.error for row in rows), max(row.bar for row in rows)] for key, rows in found.items()],
     )

@@ -8,7 +8,7 @@ import numpy as np
 from ....addon.library.presets import shipped
 from ....addon.reference import Exponential, Trajectory, place_keys
 from ....addon.reference.keyframes import TOLERANCE
-from . import Table, table
+from ..cells import Table
 
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 INTERPOLATIONS = {"linear": "straight", "shape": "shape"}
@@ -32,9 +32,9 @@ def tables() -> dict[str, Table]:
     kinds = [f"{kind}, {tolerance:g}" for kind in INTERPOLATIONS.values() for tolerance in TOLERANCES]
     pieces = place_keys(Trajectory({"p": Exponential(1.0, 0.0, (1.0,))}, 0.0, 40.0), "p").times.size - 1
     return {
-        "keys": table(["preset", "parameter", *kinds, f"evenly, {TOLERANCE:g}"], rows),
-        "worst": table(["tolerance", "largest error"], [list(pair) for pair in worst.items()]),
-        "exponential": table(
+        "keys": Table(["preset", "parameter", *kinds, f"evenly, {TOLERANCE:g}"], rows),
+        "worst": Table(["tolerance", "largest error"], [list(pair) for pair in worst.items()]),
+        "exponential": Table(
             ["tolerance", "straight pieces", "fewest"], [[TOLERANCE, pieces, (2.0 * TOLERANCE) ** -0.5]]
         ),
     }

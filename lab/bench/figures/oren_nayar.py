@@ -16,7 +16,7 @@ import numpy as np
 from ....addon.reference import cycles, oren_nayar, spherical
 from ....addon.reference.oren_nayar_fit import KINDS, closure_roughness, cycles_diffuse, oren_nayar_fit
 from ....addon.reference.quadrature import diffuse_albedo, panels
-from . import Table, table
+from ..cells import Table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,13 +31,13 @@ NODES = 24  # quadrature in each angle; more move no figure that is told
 
 def tables() -> dict[str, Table]:
     """The qualitative form against the full one; ``fit`` and ``closure`` against each, by each Cycles."""
-    found = {"short": table(["sigma", *(f"{view:g}" for view in SHORT_VIEWS)], [short(sigma) for sigma in SIGMAS])}
+    found = {"short": Table(["sigma", *(f"{view:g}" for view in SHORT_VIEWS)], [short(sigma) for sigma in SIGMAS])}
     columns = ["sigma", *(f"{name} {view:g}" for name in ("fit", "closure") for view in VIEWS)]
     for version, kind in product(cycles.VERSIONS, KINDS):
         name = kind if version == cycles.UNTIL_5_2 else f"{kind}_5_3"
         with cycles.as_of(version):
-            found[name] = table(columns, [near(sigma, qualitative=kind == "qualitative") for sigma in SIGMAS])
-    found["extremes"] = table(["weight", "albedo"], [[heaviest(), brightest()]])
+            found[name] = Table(columns, [near(sigma, qualitative=kind == "qualitative") for sigma in SIGMAS])
+    found["extremes"] = Table(["weight", "albedo"], [[heaviest(), brightest()]])
     return found
 
 

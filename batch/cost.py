@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ``vgroove batch`` costs beside Cycles, and over a ``vgroove render`` process a still, for docs/batch.md.
+"""What ``vgroove batch`` costs beside Cycles, and against a process for each still, for docs/batch.md.
 
-Stills of the preview scene, by a grid of two presets, slopes and estimators. A few processes with a still of their own
-are run before the batch and a few after, so that what else the machine does falls on both alike. The time outside
-Cycles' own render call, over that within it, and by how much the memory of a process that is never replaced grows with
-each task, are of one process.
+Stills of the preview scene, by a grid of two presets, slopes and estimators. A few single processes run before the
+batch and a few after it, so other work on the machine slows both alike. One process, which is never replaced, gives the
+time outside Cycles' own render call over that within it, and how much its memory grows with each task.
 """
 
 from __future__ import annotations
@@ -19,18 +18,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import Table, table
-
 if TYPE_CHECKING:
-    from ....batch.job import Task
+    from .job import Task
 
 VGROOVE = Path(sys.executable).parent / "vgroove"
 STILLS, LARGER_STILLS, ALONE = 120, 4, 6
 SETTLED = 0.2  # of the tasks, after which memory is looked at: by then everything was needed once
 
 
-def tables() -> dict[str, Table]:
-    from ....batch.job import parse
+def rows() -> list[list[Any]]:
+    """What is measured, and its value."""
+    from .job import parse
 
     with tempfile.TemporaryDirectory(prefix="vgroove-") as name:
         folder = Path(name)
@@ -42,16 +40,14 @@ def tables() -> dict[str, Table]:
             (folder / str(side)).mkdir()
             outside[side], slope = one_process(parse(job(stills, side, samples), "job", folder), folder / str(side))
             growth = slope if stills == STILLS else growth
-    return {
-        "cost": table(
-            ["what", "value"],
-            [
-                ["stills", STILLS], ["seconds by a process a still", single], ["seconds in a batch", batch],
-                ["outside Cycles at 64 x 64 and 16 samples", outside[64]],
-                ["outside Cycles at 256 x 256 and 64 samples", outside[256]], ["bytes a task", growth],
-            ],
-        )
-    }  # fmt: skip
+    return [
+        ["stills", STILLS],
+        ["seconds by a process a still", single],
+        ["seconds in a batch", batch],
+        ["outside Cycles at 64 x 64 and 16 samples", outside[64]],
+        ["outside Cycles at 256 x 256 and 64 samples", outside[256]],
+        ["bytes a task", growth],
+    ]
 
 
 def job(stills: int, side: int, samples: int) -> str:
@@ -88,10 +84,10 @@ def one_process(tasks: list[Task], folder: Path) -> tuple[float, float]:
     """
     import _cycles
 
-    from .... import headless
-    from ....batch import pool
-    from ....batch.task import Renderer
-    from ....headless import memory
+    from .. import headless
+    from ..headless import memory
+    from . import pool
+    from .task import Renderer
 
     within, real = [0.0], _cycles.render
 

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Groups and shaders whose Fresnel term, or other kind, comes from data: for the universal material."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from ...nodegroups import cook_torrance_closure as closure
+from ...nodegroups import (
+    fresnel,
+    osl_script,
+)
+from ...nodegroups._tree import Value, select
+from .universal_data import NAME, REVISION
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from bpy.types import NodeSocket
+
+    from ...nodegroups._tree import Tree
+
+ANY = "any"  # the kind of Fresnel term that data choose
+
+
+class AnyFresnel:
+    """As a module of ``fresnel.KINDS``: every term at once, of which an input chooses one."""
+
+    NAME = f"{NAME} Fresnel"
+    REVISION = REVISION
+    KINDS = dict(fresnel.KINDS)
+
+    def __init__(self, *, osl: bool) -> None:
+        self._osl = osl  # there the scripts have the switch
+
+    def interface(self, tree: Tree) -> dict[str, Value]:
+        f82, dielectric, conductor = (self.KINDS[kind].interface(tree) for kind in ("f82", "dielectric", "conductor"))
+        kind = {} if self._osl else {"kind": _kind_input(tree)}
+        return f82 | dielectric | conductor | kind
+
+    def build(self, tree: Tree) -> None:
+        parameters = self.interface(tree)
+        cosine = tree.input_float("Cosine", 1.0, low=0.0, high=1.0, tip="wo . h, view against half vector")
+        F: Value | None = None
+        for index, kind in enumerate(self.KINDS):
+            of = fresnel.reflectance(tree, kind, _of_kind(kind, parameters), cosine)
+            F = of if F is None else select(_is(parameters["kind"], index), of, F)
+        assert F is not None  # noqa: S101 - there are kinds
+        tree.output_color("F", F, tip="Fresnel reflectance")
+
+
+def _kind_input(tree: Tree, name: str = "kind") -> Value:
+    tree.input_float(name, 0.0, low=0.0, high=10.0, tip="Which of several, by number")
+    return tree.given(name)  # after a panel it is not the last
+
+
+def _is(value: Value, index: int) -> Value:
+    return value.tree.math("COMPARE", value, float(index), 0.5)
+
+
+def _of_kind(kind: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
+    names = {"schlick": ("f0",), "dielectric": ("eta",), "conductor": ("n", "k"), "f82": ("f0", "f82_tint")}[kind]
+    return {name: parameters[name] for name in names}
+
+
+@contextmanager
+def any_kind(*, osl: bool) -> Iterator[None]:
+    """While groups are built here, there is a further kind of Fresnel term: ``ANY``."""
+    native = closure.lobe
+
+    def lobe(tree: Tree, kind: str, parameters: dict[str, Value], *shape: Value) -> NodeSocket:
+        """Cycles' own lobe of each kind, all but one weighted with 0."""
+        if kind != ANY:
+            return native(tree, kind, parameters, *shape)
+        return tree.add_shaders([
+            tree.weighted(native(tree, of, _of_kind(of, parameters), *shape), _is(parameters["kind"], index))
+            for index, of in enumerate(AnyFresnel.KINDS)
+        ])  # fmt: skip
+
+    fresnel.KINDS[ANY] = AnyFresnel(osl=osl)  # type: ignore[assignment]
+    closure.lobe = lobe  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        closure.lobe = native
+        del fresnel.KINDS[ANY]
+
+
+def by_data(make: Callable[..., None], *parameters: str) -> Callable[..., None]:
+    """A group of OSL shaders that takes these of their parameters, which else are constants, by inputs."""
+
+    def build_open(tree: Tree, **arguments: Any) -> None:
+        make(tree, **arguments)
+        for name in parameters:
+            value = _kind_input(tree, name)
+            for node in tree.node_tree.nodes:
+                if node.bl_idname == "ShaderNodeScript":
+                    tree.connect(value, osl_script.socket(node, name))
+
+    return build_open

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What else could show a preset: a module for each model, named as it is.
+
+LOCAL           whether light leaves the surface where it arrives, so that f alone says what a ball looks like
+cycles(preset)  Cycles' own materials that an artist would take instead, as ``nodes.Peer``
+native(tree, preset)  the socket of the nearest material of Cycles' own nodes, wired by hand
+mitsuba(preset) the nearest BSDF of Mitsuba, as its dictionary; None if there is none
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ....addon.library.presets import Preset
+
+
+def of(preset: Preset) -> Any:
+    """The module of the preset's model."""
+    return import_module(f".{preset.model}", __name__)
