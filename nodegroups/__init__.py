@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..addon.reference import cycles
+from ._layout import arrange
 from ._tree import Tree
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def make(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.S
     except Exception:
         bpy.data.node_groups.remove(group)
         raise
-    tree.arrange()
+    arrange(group)
     group[REVISION_KEY], group[CYCLES_KEY], group[SOCKETS_KEY] = revision, cycles.meant(), _sockets(group)
     return group
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket
 
 Number: TypeAlias = "Value | float | tuple[float, float, float]"  # what arithmetic takes
-COLUMN_WIDTH = 190
 OPERANDS = ("Value", "Value_001", "Value_002"), ("Vector", "Vector_001", "Vector_002")  # of Math, of Vector Math
 TAKES = {"number": {"VALUE", "VECTOR", "RGBA"}, "vector": {"VECTOR", "RGBA"}, "shader": {"SHADER"}}
 
@@ -272,33 +271,6 @@ class Tree:
             self._frame = frame
         return Value(self, output(self._cached["geometry"], name))
 
-    def arrange(self) -> None:
-        """Place nodes in columns, each just before what it feeds, so that the group reads from left to right."""
-        nodes = [node for node in self.node_tree.nodes if node.bl_idname != "NodeFrame"]
-        fed: dict[bpy.types.Node, set[bpy.types.Node]] = {node: set() for node in nodes}
-        for link in self.node_tree.links:
-            fed[link.from_node].add(link.to_node)
-        steps: dict[bpy.types.Node, int] = {}
-
-        def steps_to_end(node: bpy.types.Node) -> int:
-            if node not in steps:
-                steps[node] = 1 + max((steps_to_end(other) for other in fed[node]), default=-1)
-            return steps[node]
-
-        first = max(map(steps_to_end, nodes))
-        steps[self._input] = first
-        for node in self.node_tree.nodes:
-            _tidy(node)
-        top = 0.0
-        for frame in (None, *(node for node in self.node_tree.nodes if node.bl_idname == "NodeFrame")):
-            bottom: dict[int, float] = {}  # of each column in this frame's band
-            for node in nodes:
-                if node.parent == frame:
-                    column = first - steps[node]
-                    node.location = (column * COLUMN_WIDTH, bottom.get(column, top))
-                    bottom[column] = node.location.y - _height(node) - 20
-            top = min(bottom.values(), default=top) - 80
-
 
 def _kind(value: Number | NodeSocket) -> str:
     if isinstance(value, Value):
@@ -327,22 +299,6 @@ def _unlike(node: Node, what: str) -> str:
         f"the node {node.bl_label} of Blender {bpy.app.version_string} has no {what}; "
         "take a Blender that vgroove is tested with, or a newer vgroove"
     )
-
-
-def _tidy(node: bpy.types.Node) -> None:
-    """Deselect what Blender selects as new; fold away what a Geometry node does not give here."""
-    node.select = False
-    if node.bl_idname == "ShaderNodeNewGeometry":
-        for socket in node.outputs:
-            socket.hide = not socket.is_linked
-
-
-def _height(node: bpy.types.Node) -> float:
-    """About how tall Blender draws a node; it knows only once it has drawn it."""
-    shown = [socket for socket in (*node.inputs, *node.outputs) if socket.enabled and not socket.hide]
-    vectors = sum(s.type == "VECTOR" and not s.is_output and not s.is_linked and not s.hide_value for s in shown)
-    menus = sum(hasattr(node, name) for name in ("operation", "distribution", "fresnel_type", "data_type"))
-    return 40 + 22 * (len(shown) + 3 * vectors) + 26 * menus
 
 
 def minimum(a: Value, b: Number) -> Value:

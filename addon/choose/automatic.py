@@ -14,7 +14,7 @@ from __future__ import annotations
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,10 +30,8 @@ if TYPE_CHECKING:
     from ..library.presets import Preset
 
 TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-# Bias as a share of the image, by kind of light and estimator; for Cook-Torrance at SLOPES, for Oren-Nayar at SIGMAS.
-FACETS: dict[str, dict[str, list[float]]] = TABLES["models"]["cook_torrance"]["bias"]
-DIFFUSE: dict[str, dict[str, list[float]]] = TABLES["models"]["oren_nayar"]["bias"]
-SLOPES, SIGMAS = (TABLES["models"][model]["at"] for model in ("cook_torrance", "oren_nayar"))
+# By model: ``bias`` as a share of the image, by kind of light and estimator, at the values ``at`` of its ``parameter``.
+BIASES: dict[str, Any] = TABLES["models"]
 # The kinds of light under which each model was measured. Elsewhere the tables above, measured with other materials,
 # give an estimate, and no comparison is shown.
 MEASURED: dict[str, list[str]] = TABLES["measured"]
@@ -130,12 +128,11 @@ def _bias(known: SceneFacts, parts: Sequence[Preset], estimator: str) -> float:
 
 
 def _bias_of(part: Preset, kind: str, estimator: str) -> float:
-    """Between slopes, and between sigmas, straight in both logarithms; beyond them as at the last."""
-    if part.model == "oren_nayar":
-        at, slopes, table = float(part.parameters["sigma"]), SIGMAS, DIFFUSE  # type: ignore[arg-type]
-    else:
-        at, slopes, table = part.m, SLOPES, FACETS
-    off = float(np.exp(np.interp(np.log(at), np.log(slopes), np.log(table[kind][estimator])))) if at else 0.0
+    """Between the values measured straight in both logarithms; beyond them as at the last."""
+    table = BIASES[part.model]
+    roughness, off = float(part.parameters[table["parameter"]]), 0.0  # type: ignore[arg-type]
+    if roughness:
+        off = float(np.exp(np.interp(np.log(roughness), np.log(table["at"]), np.log(table["bias"][kind][estimator]))))
     return off * DIELECTRIC[estimator] if kind == "even" and _is_dielectric(part) else off
 
 

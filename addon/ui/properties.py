@@ -121,8 +121,8 @@ def _set_shown(settings: VGrooveSettings, value: int) -> None:
 
 def _get_quality(settings: VGrooveSettings) -> int:
     """Estimators that are no quality of their own count as the nearest."""
-    nearest = {"fit": "auto", "closure": "auto", "hybrid": "mirror", "direct": "corrected"}
-    return STORED.index(nearest.get(settings.estimator, settings.estimator))
+    known = estimators.ESTIMATORS.get(settings.estimator)  # none for Automatic
+    return [name for name, *_ in QUALITIES].index(known.quality) if known else 0
 
 
 def _set_quality(settings: VGrooveSettings, value: int) -> None:

@@ -10,6 +10,7 @@ from ... import headless
 from ...addon.blender import facts
 from ...addon.blender.material import BUILDERS, NATIVE
 from ...addon.choose import automatic
+from ...addon.models import estimators
 from . import contenders
 from .cells import Picks
 from .record import Cell
@@ -18,12 +19,6 @@ from .scenes import stage
 if TYPE_CHECKING:
     from pathlib import Path
 
-REFUSED = {
-    "corrected": "binds lights",
-    "direct": "binds lights and shows nothing else",
-    "hybrid": "draws random facets",
-    "mirror": "draws random facets",
-}
 SIZE = 8  # pixels, which decide nothing
 
 
@@ -43,4 +38,9 @@ def measure(_folder: Path, name: str, subject: str, *, quick: bool) -> Picks:
             shown.scene.cycles.samples = samples
             found.append(automatic.pick_estimator(known, preset))
     never = [name for name in BUILDERS[preset.model] if name not in {*NATIVE, *found}]
-    return Picks(estimators=tuple(found), refused={name: REFUSED[name] for name in never})
+    return Picks(estimators=tuple(found), refused={name: _refusal(name) for name in never})
+
+
+def _refusal(estimator: str) -> str:
+    """Why Automatic never picks an estimator."""
+    return "draws random facets" if estimators.ESTIMATORS[estimator].random else "binds lights"

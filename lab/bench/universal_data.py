@@ -52,9 +52,9 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
         kinds = list(fresnel.KINDS)
         switches["fresnel"] = float(kinds.index(preset.kind)) if preset.kind in kinds else 0.0
         switches["qualitative"] = float(preset.kind == "qualitative")
-        switches["coupled"] = float(preset.coupled or preset.model == "translucent")
-        switches["body"] = float(preset.model == "translucent")
-        switches["glass"], switches["thin"] = float(preset.model == "glass"), float(preset.kind == "thin")
+        switches["coupled"] = float(preset.coupled or not preset.spec.mirrors)
+        switches["body"] = float(not preset.spec.mirrors)
+        switches["glass"], switches["thin"] = float(preset.transparent), float(preset.kind == "thin")
         switches["smooth"] = float(preset.m == 0.0)
         if play is not None:
             switches["age"] = age

@@ -9,10 +9,10 @@ from ...addon.library.presets import Preset, parse
 from ...addon.reference import albedo
 from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view
-from .views import closure_bar, direct_bar, noiseless_row
+from .views import closure_bar, direct_bar, noiseless, noiseless_row
 
 MODEL, KIND = "car_paint", "f82"
-ESTIMATORS = ("direct", "closure", "fit", "corrected", "hybrid")
+ESTIMATORS = noiseless(MODEL)
 NOISY_ROWS = 2  # rows of the plan that are judged by Z-tests; a test holds it to the plan
 TEXT = """
 name = "Test"

@@ -16,7 +16,7 @@ from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.quadrature import diffuse_albedo
 from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
-from .views import disc, furnace, measure, mirror_furnace_view, noiseless_row, pooled_view, sun_radiance
+from .views import disc, furnace, measure, mirror_furnace_view, noiseless, noiseless_row, pooled_view, sun_radiance
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -126,7 +126,7 @@ def plan() -> Plan:
     for setup in SETUPS:
         few = setup is SETUPS[1]  # the same nodes as in SVM, and slow to compile
         for kind in fit.KINDS:
-            for estimator in ("direct", "closure", "fit", "corrected", "hybrid"):
+            for estimator in noiseless(MODEL):
                 rows += [partial(exact_row, estimator, setup, kind, sigma) for sigma in ((0.3,) if few else SIGMAS)]
             rows += [partial(furnace_row, setup, kind, sigma) for sigma in ((0.3,) if few else MIRROR_SIGMAS)]
             rows += [partial(hybrid_furnace_row, setup, kind, sigma) for sigma in ((1.0,) if few else (0.3, 1.0))]

@@ -19,13 +19,13 @@ from .hybrid import excess
 from .oren_nayar import SUN_ANGLE, SUN_THETAS
 from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
-from .views import closure_bar, direct_bar, noiseless_row
+from .views import closure_bar, direct_bar, noiseless, noiseless_row
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MODEL = "sum"
-ESTIMATORS = ("direct", "closure", "fit", "corrected", "hybrid")
+ESTIMATORS = noiseless(MODEL)
 KINDS = ("sum", "coupled")
 SLOPES = (0.3, 0.6)
 GREY = "f0 = 0.0816"  # Schlick's F of that base for noisy rows: it is exact in native closures of 4.5 too

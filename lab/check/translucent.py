@@ -10,10 +10,10 @@ from ...addon.reference import albedo
 from . import cook_torrance
 from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view
-from .views import closure_bar, noiseless_row
+from .views import closure_bar, noiseless, noiseless_row
 
 MODEL, KIND = "translucent", "dielectric"
-ESTIMATORS = ("closure", "fit", "corrected", "hybrid")
+ESTIMATORS = noiseless(MODEL)
 NOISY_ROWS = 2  # rows of the plan that are judged by Z-tests; a test holds it to the plan
 TEXT = """
 name = "Test"

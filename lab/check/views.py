@@ -9,7 +9,8 @@ import numpy as np
 
 from ... import headless
 from ...addon.blender import gonio
-from ...addon.blender.material import NATIVE
+from ...addon.models import MODELS
+from ...addon.models.estimators import NATIVE
 from ...addon.reference import rendered
 from ...addon.reference.quadrature import gauss_legendre
 from .rows import ROUNDING, SETUPS, Row, Setup, View
@@ -28,6 +29,11 @@ WINDOW = 5.0
 FURNACE_SIZE = 32
 # Degrees, by slope m. Broad lobes rarely hit a small sun; a wider one needs as many fewer samples as it is larger.
 SUN_ANGLES = {0.1: 20.0, 0.3: 30.0, 0.6: 30.0, 1.0: 30.0}
+
+
+def noiseless(model: str) -> list[str]:
+    """Estimators of a model that have no noise under a sun of zero size: all but ``mirror``, which cannot hit it."""
+    return [name for name in MODELS[model].estimators if name != "mirror"]
 
 
 def direct_bar(m: float) -> float:

@@ -15,6 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from PIL import Image
 
 from ...addon.library.files import replacing
+from ...addon.models import estimators
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -42,14 +43,7 @@ STYLE = {
     "svg.fonttype": "none",
 }
 # Okabe and Ito's colours, which the colour-blind tell apart; peers are grey.
-COLOURS = {
-    "corrected": "#009e73",
-    "fit": "#0072b2",
-    "closure": "#d55e00",
-    "hybrid": "#cc79a7",
-    "mirror": "#e69f00",
-    "direct": "#56b4e9",
-}
+COLOURS = dict(zip(estimators.ALL, ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"), strict=True))
 PEERS = {
     "Metallic BSDF": ("#333333", (4, 1.5)),
     "Diffuse BSDF": ("#333333", (4, 1.5)),
