@@ -140,23 +140,25 @@ def render(
     assigned = _settled(_assigned(what, assign or []), settings, at_time)
     start_blender()
     from .. import headless
+    from ..addon.blender import lamps
     from ..headless import assignment, scene
 
     play = _play(driving, span, tolerance) if span else None
+    size = size or (None if is_scene else PREVIEW_SIZE)
+    pixels: dict[str, Any] = {"samples": samples, "seed": seed, "resolution": size}
     with headless.quiet():
         stage = scene.opened(Path(what)) if is_scene else scene.preview()
         stage.cycles.samples = samples or (stage.cycles.samples if is_scene else PREVIEW_SAMPLES)
-        advice = assignment.assign(stage, assigned, str(backend), str(estimator), bound, play, where="--assign ")
-    for text in advice:
-        say(f"warning: {text}")
-    if not is_scene:
-        size = size or PREVIEW_SIZE
-    pixels: dict[str, Any] = {"samples": samples, "seed": seed, "resolution": size}
-    if not span:
+    with lamps.read_once():
         with headless.quiet():
-            scene.still(stage, output, **pixels)
-        say(f"wrote {output}")
-        return
+            advice = assignment.assign(stage, assigned, str(backend), str(estimator), bound, play, where="--assign ")
+        for text in advice:
+            say(f"warning: {text}")
+        if not span:
+            with headless.quiet():
+                scene.still(stage, output, **pixels)
+            say(f"wrote {output}")
+            return
     identity = [
         what, digest_of(Path(what)) if is_scene else "", [(name, asdict(preset)) for name, preset in assigned],
         play and asdict(play), str(backend), str(estimator), bound, stage.cycles.samples, seed, size, shutter,

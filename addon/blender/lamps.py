@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import pi, sin
 from typing import TYPE_CHECKING, Any
@@ -142,6 +143,28 @@ def all_lights(scene: Scene) -> list[Light]:
     wherever it turns now. What instances bring within instances, and what particles and geometry nodes bring, is not
     among them.
     """
+    if _known is None:
+        return _found(scene)
+    if scene not in _known:
+        _known[scene] = _found(scene)
+    return list(_known[scene])
+
+
+_known: dict[Scene, list[Light]] | None = None  # within ``read_once``
+
+
+@contextmanager
+def read_once() -> Iterator[None]:
+    """Look at each scene's lights once within the block, in which nothing may change them."""
+    global _known  # noqa: PLW0603 - as the lights of a scene are one thing for all who ask
+    outer, _known = _known, _known if _known is not None else {}
+    try:
+        yield
+    finally:
+        _known = outer
+
+
+def _found(scene: Scene) -> list[Light]:
     things = [item for item in scene.objects if item.type in _SHADED and not item.hide_render]
     middles = [item.matrix_world @ (sum(map(Vector, item.bound_box), Vector()) / 8) for item in things]
     middle = sum(middles, Vector()) / max(len(middles), 1)

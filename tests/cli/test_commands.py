@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 from vgroove import cli
+from vgroove.addon.blender import lamps
 from vgroove.addon.reference import CookTorrance, Schlick, albedo
 
 from .. import commands
@@ -478,3 +479,14 @@ def test_an_error_that_nobody_reads_ends_the_command_quietly():
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=writing, text=True, check=False)
     os.close(writing)
     assert (done.returncode, done.stdout) == (cli.CLOSED_PIPE, "")
+
+
+@pytest.mark.parametrize("estimator", ["auto", "corrected"])
+def test_one_copper_looks_at_the_scenes_lights_once(blender, tmp_path, monkeypatch, estimator):
+    """Automatic, builder, advice and render share what was read; Standard needs no light at all."""
+    asked, look = [], lamps._found
+    monkeypatch.setattr(lamps, "_found", lambda scene: asked.append(scene) or look(scene))
+    done = vgroove("render", "copper", "--estimator", estimator, "--samples", 1, "--resolution", "16x16", "-o",
+                   tmp_path / "copper.exr")  # fmt: skip
+    assert done.code == 0, done.err
+    assert len(asked) == (1 if estimator == "corrected" else 0)
