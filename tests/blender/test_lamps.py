@@ -13,8 +13,9 @@ from vgroove.addon.blender import follow, gonio, lamps, material, roles
 from vgroove.addon.blender.material import lamps_to_bind
 from vgroove.addon.choose import advice
 from vgroove.lab.check.cook_torrance import SUN_THETAS, materials
-from vgroove.lab.check.rows import SETUPS, Row, View, limit
+from vgroove.lab.check.rows import SETUPS, Row, View
 from vgroove.lab.check.views import disc, measure
+from vgroove.lab.sidak import limit
 from vgroove.nodegroups import lamp as lamp_group
 from vgroove.nodegroups import osl_script, random_numbers, versions
 
