@@ -279,10 +279,7 @@ def _kind(value: Number | NodeSocket) -> str:
 
 
 def output(node: Node, name: str) -> NodeSocket:
-    """The output of one of Blender's own nodes; ``name``: its identifier, '_' for a blank.
-
-    Raises NativeError where it has none.
-    """
+    """The output of one of Blender's own nodes, by its identifier ('_' for a blank); NativeError if it has none."""
     found = _named(node.outputs, name)
     if found is None:
         raise NativeError(_unlike(node, f"output {name.replace('_', ' ')!r}"))

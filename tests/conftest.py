@@ -136,11 +136,8 @@ def balls(blender):
                 item.material_slots[0].material = material
                 item.location = (SPACING * (index % side), -SPACING * (index // side), 0.0)
                 stage.collection.objects.link(item)
-            camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
-            camera.data.type, camera.data.ortho_scale = "ORTHO", SPACING * side
-            camera.location = (SPACING * (side - 1) / 2.0, -SPACING * (side - 1) / 2.0, 9.0)
-            stage.collection.objects.link(camera)
-            stage.camera = camera
+            middle = SPACING * (side - 1) / 2.0
+            gonio.look_down(stage, SPACING * side, (middle, -middle, 9.0))
             image = gonio.rendered(stage)
         tiles = image.reshape(side, PIXELS, side, PIXELS, 3).transpose(0, 2, 1, 3, 4)
         return tiles.reshape(side * side, PIXELS, PIXELS, 3)[: len(made), within]

@@ -1,9 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights, cards and worlds that several tests put into a scene."""
+"""Materials, lights, cards and worlds that several tests put into a scene."""
 
 import bpy
 
+from vgroove.addon.library import presets
 from vgroove.nodegroups import versions
+
+MATERIALS = {  # one of each model
+    "metal": presets.find("metals/copper").with_parameters(m=0.2),
+    "diffuse": presets.find("diffuse/chalk"),
+    "plastic": presets.find("plastics/red_plastic"),
+    "car paint": presets.find("car_paints/blue"),
+    "glass": presets.find("glasses/frosted_glass").with_parameters(m=0.2),
+    "marble": presets.find("translucent/marble"),
+}
 
 
 def add(shown, name, data, at=(0.0, 0.0, 0.0)):

@@ -67,12 +67,7 @@ def picture(preset: presets.Preset, seed: int) -> np.ndarray:
         made = material.build(preset, material.Choice("nodes", estimator))
         mesh.materials.append(made)
         shown.collection.objects.link(bpy.data.objects.new("Ball", mesh))
-        camera = bpy.data.cameras.new("Camera")
-        camera.type, camera.ortho_scale = "ORTHO", 2.1
-        eye = bpy.data.objects.new("Camera", camera)
-        eye.location = (0.0, 0.0, 9.0)
-        shown.collection.objects.link(eye)
-        shown.camera = eye
+        gonio.look_down(shown, 2.1, (0.0, 0.0, 9.0))
         return gonio.rendered(shown).astype(np.float64)
 
 

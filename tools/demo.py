@@ -8,6 +8,7 @@ Every ball is the exact model (``mirror`` under the environment map, the formula
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from pathlib import Path
@@ -93,6 +94,13 @@ def main() -> None:
     sheet(tiles, path)
     console.print(agreement())
     console.print(f"{path}, after {time.perf_counter() - start:.0f} s", highlight=False)
+    console.print(f"Now render one yourself: {next_command()}", highlight=False, soft_wrap=True)
+
+
+def next_command() -> str:
+    """A line that runs from this folder as it is printed: uv need not be on PATH."""
+    vgroove = os.path.relpath(Path(sys.executable).with_name("vgroove"))
+    return f"{vgroove} render copper -o copper.png"
 
 
 if __name__ == "__main__":

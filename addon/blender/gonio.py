@@ -310,17 +310,22 @@ def measure_sphere(
         lamp.data.energy = 1.0
         bound = lamps_to_bind(scene, estimator, preset.model)
         _sphere(scene, build(preset, Choice(backend, estimator, bound, shadows=False)))
-        camera = bpy.data.cameras.new("VGroove gonio")
-        camera.type, camera.ortho_scale = "ORTHO", 2.0
-        item = bpy.data.objects.new("VGroove gonio", camera)
-        item.location = (0.0, 0.0, 3.0)
-        scene.collection.objects.link(item)
-        scene.camera = item
+        look_down(scene, 2.0)
         radiance = rendered(scene)
     x, y = np.meshgrid((np.arange(size) + 0.5) / size * 2 - 1, 1 - (np.arange(size) + 0.5) / size * 2)
     inside = x * x + y * y < 1
     z = np.sqrt(np.where(inside, 1 - x * x - y * y, np.nan))
     return radiance, np.stack([x, y, z], axis=-1)
+
+
+def look_down(scene: Scene, width: float, at: tuple[float, float, float] = (0.0, 0.0, 3.0)) -> None:
+    """Give the scene an orthographic camera that looks straight down and sees ``width`` metres."""
+    camera = bpy.data.cameras.new("VGroove gonio")
+    camera.type, camera.ortho_scale = "ORTHO", width
+    item = bpy.data.objects.new("VGroove gonio", camera)
+    item.location = at
+    scene.collection.objects.link(item)
+    scene.camera = item
 
 
 def _sphere(scene: Scene, material: Material) -> None:

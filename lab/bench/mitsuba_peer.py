@@ -2,7 +2,7 @@
 """The peer Mitsuba 3, on the scenes that it and Cycles can both express. Imports no bpy until a ``Peer`` starts.
 
 Mitsuba runs in a process of its own (``mitsuba_scenes``), which stays warm: its libraries and Blender's must not meet
-in one. Requests go to its standard input, pictures come back on its standard output, pickled.
+in one (``headless.pipe``).
 
 The variant that compiles is three to four times as fast as the plain one, but needs an LLVM new enough (15 is not;
 DRJIT_LIBLLVM_PATH names another than the system's). It is tried first, in a process that may end over it.
@@ -11,14 +11,10 @@ DRJIT_LIBLLVM_PATH names another than the system's). It is tried first, in a pro
 from __future__ import annotations
 
 import contextlib
-import pickle
-import signal
-import subprocess
-import sys
-import tempfile
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
+from ...headless import pipe
 from . import mitsuba_scenes, peers
 
 if TYPE_CHECKING:
@@ -51,7 +47,6 @@ DIFFERS = {  # by the type of BSDF
     ),
 }
 TRIAL = {"type": "roughconductor", "distribution": "beckmann"}
-LAST_WORDS = 300  # characters of what the process said last
 
 
 class PeerError(RuntimeError):
@@ -98,55 +93,31 @@ class Peer:
         The time is that of the render alone, on all cores: the scene has been loaded, and a first render has compiled
         what it needs. PeerError if Mitsuba refuses, or its process ends over it.
         """
-        self._send((scene, bsdf, samples, seed, size))
-        found = self._receive()
+        found = self._ask((scene, bsdf, samples, seed, size))
         if isinstance(found, str):
             raise PeerError(found)
         return Rendered(*found)
 
     def close(self) -> None:
         """End the process."""
-        self._process.kill()
-        self._process.communicate()
-        self._said.close()
+        self._process.close()
 
     def _begin(self, variant: str, world: NDArray[np.float32]) -> None:
         """PeerError if the variant renders nothing here."""
         self.variant = variant
-        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", mitsuba_scenes.__name__, variant],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._said,
-        )
+        self._process = pipe.Process(mitsuba_scenes.__name__, variant, name=f"Mitsuba's process ({variant})")
         try:
-            self._send(world)
-            self.version: str = self._receive()
+            self.version: str = self._ask(world)
             self.render("softbox", TRIAL, 1, 0, 8)
         except BaseException:
             self.close()
             raise
 
-    def _send(self, what: Any) -> None:
+    def _ask(self, request: Any) -> Any:
         try:
-            pickle.dump(what, self._process.stdin)  # type: ignore[arg-type]
-            self._process.stdin.flush()  # type: ignore[union-attr]
-        except OSError as error:
-            raise self._lost() from error
-
-    def _receive(self) -> Any:
-        try:
-            return pickle.load(self._process.stdout)  # type: ignore[arg-type] # noqa: S301 - from our own process
-        except (EOFError, pickle.UnpicklingError) as error:
-            raise self._lost() from error
-
-    def _lost(self) -> PeerError:
-        code = self._process.wait()
-        self._said.seek(0)
-        words = " ".join(self._said.read().decode(errors="replace").split())[-LAST_WORDS:]
-        name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        return PeerError(f"Mitsuba's process ({self.variant}) ended ({name}): {words}")
+            return self._process.ask(request)
+        except pipe.LostError as error:
+            raise PeerError(str(error)) from error
 
 
 def nearest(preset: Preset) -> dict[str, Any]:

@@ -9,18 +9,15 @@ that take any number of samples: on the softbox at 64 its noise is a quarter of 
 from __future__ import annotations
 
 import contextlib
-import os
-import pickle
-import signal
 import sys
 import time
 from functools import cached_property
 from math import atan, degrees, pi, tan
-from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...headless import pipe
 from . import scene_table as table
 
 if TYPE_CHECKING:
@@ -169,25 +166,17 @@ class Renderer:
 
 def main() -> None:
     """Render what comes on standard input until that ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; who began this process ends it
-    answers = os.fdopen(os.dup(1), "wb")
-    with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
-        os.dup2(nowhere.fileno(), 1)  # where Mitsuba prints
-    renderer = Renderer(sys.argv[1], pickle.load(sys.stdin.buffer))  # noqa: S301 - from our own process
-    _answer(answers, renderer.mi.__version__)
+    answers = pipe.open_answers()
+    renderer = Renderer(sys.argv[1], pipe.next_request())
+    pipe.answer(answers, renderer.mi.__version__)
     with contextlib.suppress(EOFError):
         while True:
-            request = pickle.load(sys.stdin.buffer)  # noqa: S301 - from our own process
+            request = pipe.next_request()
             try:
                 found: Any = renderer.render(*request)
             except (RuntimeError, ValueError) as error:
                 found = " ".join(str(error).split())
-            _answer(answers, found)
-
-
-def _answer(answers: IO[bytes], what: Any) -> None:
-    pickle.dump(what, answers)
-    answers.flush()
+            pipe.answer(answers, found)
 
 
 if __name__ == "__main__":

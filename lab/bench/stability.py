@@ -12,7 +12,8 @@ import numpy as np
 from ...addon.blender.course import DRIVINGS
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.oren_nayar_fit import KINDS
-from ..check.rows import NOISY_ROWS, SETUPS, Row, Setup, limit, share_within, spread_z
+from ..check.rows import NOISY_ROWS, SETUPS, Row, Setup, share_within, spread_z
+from ..sidak import limit
 from . import stability_reference
 from .cells import Case
 from .record import Cell

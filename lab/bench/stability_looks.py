@@ -22,8 +22,9 @@ from ...addon.reference.quadrature import diffuse_albedo, vgroove_albedo, vgroov
 from ..check import glass as check_glass
 from ..check import oren_nayar as check_oren_nayar
 from ..check.cook_torrance import fresnel_approximation, materials
-from ..check.rows import ROUNDING, Row, Setup, View, limit
+from ..check.rows import ROUNDING, Row, Setup, View
 from ..check.views import closure_bar, direct_bar, measure, pooled_view
+from ..sidak import limit
 from . import stability_pictures
 
 if TYPE_CHECKING:

@@ -25,7 +25,8 @@ from ...addon.reference.quadrature import vgroove_albedo
 from ...headless import scene
 from ...nodegroups import random_numbers, versions
 from ..check.cook_torrance import materials
-from ..check.rows import SETUPS, Row, Setup, View, limit
+from ..check.rows import SETUPS, Row, Setup, View
+from ..sidak import limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

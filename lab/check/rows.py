@@ -16,6 +16,8 @@ import numpy as np
 from scipy.stats import norm
 from scipy.stats import t as student
 
+from ..sidak import limit
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -179,11 +181,6 @@ def _noisy(view: View) -> tuple[NDArray[np.float64], ...]:
         live = variance > rounding
         return measured[live], expected[live], variance[live]
     return tuple(np.sum(column, keepdims=True) for column in (measured, expected, variance + rounding))
-
-
-def limit(tests: int) -> float:
-    """Two-sided 1 % limit of a standard normal value, Sidak-corrected for ``tests`` of them."""
-    return float(norm.isf((1.0 - 0.99 ** (1.0 / tests)) / 2.0))
 
 
 def surely_seen(error: float, noisy_rows: int = NOISY_ROWS) -> float:

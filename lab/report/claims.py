@@ -7,10 +7,11 @@ Imports no bpy.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from statistics import NormalDist, median
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from ..bench.cells import SLOWER
+from ..sidak import limit
 from .contest import AGAINST, CLOSE
 from .words import number, percent, times
 
@@ -93,7 +94,7 @@ def _unbiased(run: Run) -> Claim | None:
     judged = [(contest, curve) for contest, curve in mirrors if contest.cell.independent and not curve.rarely_hit]
     if not judged:
         return None
-    most = NormalDist().inv_cdf(0.99 ** (1.0 / sum(int(curve.resolved.sum()) for _, curve in judged)))
+    most = limit(sum(int(curve.resolved.sum()) for _, curve in judged), sides=1)
     biased = [
         f"{contest.title} at {', '.join(f'{samples:g}' for samples in curve.samples[curve.bias_z > most])} samples"
         for contest, curve in judged

@@ -19,12 +19,12 @@ the error says, and the tables of documents.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..bench.record import ReportError
+from ..sidak import limit
 from .claims import case_title
 from .words import percent, times
 
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
 SLOWER = 1.25  # ratio of times below which nothing is said
 SMALLEST = 0.01  # relative change of an error below which nothing is said
 LITTLE = 16.0  # MB, by which a process's memory scatters
-MISTAKEN = 0.01  # probability that noise alone makes a comparison show a change, of all its figures together
 LONGEST = 3  # sample counts whose times are judged: those beside which a start is short
 
 
@@ -72,14 +71,14 @@ def changes(before: list[Run], after: list[Run]) -> tuple[list[Change], int]:
     if not count:
         message = "the two reports have no figure in common; measure the same Blender in both"
         raise ReportError(message)
-    limit = NormalDist().inv_cdf((1.0 - MISTAKEN / 2.0) ** (1.0 / count))  # Sidak
+    most = limit(count)
     found: list[Change] = []
     for a, b, blender, comparable in pairs:
         if comparable:
             found += [_there(blender, *name, gone=True) for name in _missing(a, b)]
             found += [_there(blender, *name, gone=False) for name in _missing(b, a)]
         for (kind, where, who), one, other in _shared(a, b):
-            found += [Change(blender, where, who, *change) for change in JUDGES[kind](one, other, limit)]
+            found += [Change(blender, where, who, *change) for change in JUDGES[kind](one, other, most)]
     had, has = ({run.blender for run in of} for of in (before, after))
     if len(before) > 1 or len(after) > 1:
         found += [_there(blender, "", "", gone=True) for blender in had - has]

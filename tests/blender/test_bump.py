@@ -12,8 +12,9 @@ from vgroove import headless
 from vgroove.addon.blender import gonio, material
 from vgroove.addon.blender.material import BUILDERS, Choice, build, lamps_to_bind
 from vgroove.addon.blender.slots import apply
-from vgroove.addon.library import presets
 from vgroove.headless import scene
+
+from ..scenes import MATERIALS
 
 pytestmark = pytest.mark.blender
 
@@ -26,14 +27,6 @@ BLACK = 0.02  # of a white sky
 MODELS_DIFFER = 0.045
 # A sample sends back between none and 1.5 times the sky: its variance is at most (1.5 / 2)^2.
 NOISE = 4.0 * 0.75 / np.sqrt(SIDE * SIDE * SAMPLES)
-MATERIALS = {
-    "metal": presets.find("metals/copper").with_parameters(m=0.2),
-    "diffuse": presets.find("diffuse/chalk"),
-    "plastic": presets.find("plastics/red_plastic"),
-    "car paint": presets.find("car_paints/blue"),
-    "glass": presets.find("glasses/frosted_glass").with_parameters(m=0.2),
-    "marble": presets.find("translucent/marble"),
-}
 ESTIMATORS = ("fit", "corrected", "hybrid", "mirror")
 
 

@@ -563,10 +563,7 @@ def test_a_plane_with_a_textured_clock_matches_the_reference_per_pixel(blender, 
             layer.data[loop].uv = uv
         mesh.materials.append(one)
         stage.collection.objects.link(blender.data.objects.new("Plane", mesh))
-        camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
-        camera.data.type, camera.data.ortho_scale, camera.location.z = "ORTHO", 2.0, 3.0
-        stage.collection.objects.link(camera)
-        stage.camera = camera
+        gonio.look_down(stage, 2.0)
         for item in (stage, blender.context.scene):
             item.frame_set(int(frame))
         image = gonio.rendered(stage)[::-1]  # row 0 at v = 0, as the texture

@@ -9,10 +9,11 @@ from mathutils import Vector
 from vgroove import headless, nodegroups
 from vgroove.addon.blender import gonio, material
 from vgroove.addon.blender.material import BUILDERS, Choice, build, lamps_to_bind
-from vgroove.addon.library import presets
 from vgroove.headless import scene
 from vgroove.lab.bench import everyday
 from vgroove.nodegroups import shading_normal
+
+from ..scenes import MATERIALS
 
 pytestmark = pytest.mark.blender
 
@@ -21,14 +22,6 @@ SIDE, SAMPLES, EYE = 32, 32, (0.0, -5.0, 0.5)
 SAMPLES_BELOW = 4  # of what scatters below the surface, whose rays meet hundreds of strands
 CHANCE = 4.0  # standard errors; of a mean over some 300 pixels and two seeds
 MODELS_DIFFER = 0.045  # as tests/blender/test_bump.py says
-MATERIALS = {
-    "metal": presets.find("metals/copper").with_parameters(m=0.2),
-    "diffuse": presets.find("diffuse/chalk"),
-    "plastic": presets.find("plastics/red_plastic"),
-    "car paint": presets.find("car_paints/blue"),
-    "glass": presets.find("glasses/frosted_glass").with_parameters(m=0.2),
-    "marble": presets.find("translucent/marble"),
-}
 
 
 def tuft():

@@ -13,8 +13,9 @@ from vgroove.addon.blender import follow, gonio, lamps, material, roles
 from vgroove.addon.blender.material import lamps_to_bind
 from vgroove.addon.choose import advice
 from vgroove.lab.check.cook_torrance import SUN_THETAS, materials
-from vgroove.lab.check.rows import SETUPS, Row, View, limit
+from vgroove.lab.check.rows import SETUPS, Row, View
 from vgroove.lab.check.views import disc, measure
+from vgroove.lab.sidak import limit
 from vgroove.nodegroups import lamp as lamp_group
 from vgroove.nodegroups import osl_script, random_numbers, versions
 
@@ -147,12 +148,9 @@ def floor_images(
         add_mesh(bpy, stage, "Floor", 3.0, 0.0, make_material(item))
         if occluder:
             add_mesh(bpy, stage, "Occluder", 0.3, 0.7).visible_camera = False
-        camera = bpy.data.cameras.new("Camera")
-        camera.type, camera.ortho_scale = "PERSP" if eye_near else "ORTHO", 4.0
-        eye = bpy.data.objects.new("Camera", camera)
-        eye.location = (0.3, -0.4, 1.3) if eye_near else (0, 0, 5)
-        stage.collection.objects.link(eye)
-        stage.camera = eye
+        gonio.look_down(stage, 4.0, (0.3, -0.4, 1.3) if eye_near else (0, 0, 5))
+        if eye_near:
+            stage.camera.data.type = "PERSP"
         return by_seed(stage, seeds)
 
 
@@ -515,12 +513,7 @@ def ball_under(bpy, kinds, setup, chosen=None, *, estimator="direct", m=0.5, sam
         preset = materials()["schlick"].with_parameters(m=m)
         choice = material.Choice(setup.backend, estimator, bound)
         gonio._sphere(stage, material.build(preset, choice))
-        camera = bpy.data.cameras.new("Camera")
-        camera.type, camera.ortho_scale = "ORTHO", 2.0
-        eye = bpy.data.objects.new("Camera", camera)
-        eye.location = (0, 0, 3)
-        stage.collection.objects.link(eye)
-        stage.camera = eye
+        gonio.look_down(stage, 2.0)
         yield stage, items
 
 
@@ -809,12 +802,7 @@ def test_four_lamps_add_up(blender, setup):
             bound = lamps_to_bind(stage, "direct")
             made = material.build(preset, material.Choice(setup.backend, "direct", bound, shadows=False))
             gonio._sphere(stage, made)
-            camera = blender.data.cameras.new("Camera")
-            camera.type, camera.ortho_scale = "ORTHO", 2.0
-            eye = blender.data.objects.new("Camera", camera)
-            eye.location = (0, 0, 3)
-            stage.collection.objects.link(eye)
-            stage.camera = eye
+            gonio.look_down(stage, 2.0)
             images.append(gonio.rendered(stage).astype(float))
     *single, together = images
     assert all(image.max() > 0 for image in single)

@@ -13,7 +13,8 @@ from vgroove.lab.bench import stability_pictures as pictures
 from vgroove.lab.bench.scenes import stage
 from vgroove.lab.bench.stability_pictures import Shot
 from vgroove.lab.check.cook_torrance import materials
-from vgroove.lab.check.rows import SETUPS, limit
+from vgroove.lab.check.rows import SETUPS
+from vgroove.lab.sidak import limit
 from vgroove.nodegroups import random_numbers
 from vgroove.nodegroups._tree import Value
 

@@ -243,5 +243,5 @@ def test_mitsuba_falls_back_to_a_variant_that_works(blender, monkeypatch):
     with mitsuba_peer.Peer() as begun:
         assert begun.variant == "scalar_rgb"
         begun._process.kill()
-        with pytest.raises(mitsuba_peer.PeerError, match=r"\(scalar_rgb\) ended \(SIGKILL\)"):
+        with pytest.raises(mitsuba_peer.PeerError, match=r"\(scalar_rgb\) ended \(SIGKILL, as where memory runs out\)"):
             begun.render("softbox", mitsuba_peer.TRIAL, 1, 0, 8)

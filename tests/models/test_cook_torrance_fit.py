@@ -13,8 +13,9 @@ from vgroove.addon.reference import Schlick, cook_torrance
 from vgroove.addon.reference.cook_torrance_fit import cook_torrance_fit
 from vgroove.addon.reference.quadrature import panels
 from vgroove.lab.check.cook_torrance import materials
-from vgroove.lab.check.rows import SETUPS, limit
+from vgroove.lab.check.rows import SETUPS
 from vgroove.lab.check.views import FURNACE_SIZE, closure_bar, furnace, measure
+from vgroove.lab.sidak import limit
 
 pytestmark = pytest.mark.blender
 

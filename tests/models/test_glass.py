@@ -238,10 +238,7 @@ def test_a_body_absorbs_by_the_way_through_it(blender, backend, depth):
         blender.context.collection.objects.unlink(slab)
         stage.collection.objects.link(slab)
         slab.data.materials.append(made)
-        camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
-        camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 0.1, (0.1, 0.2, 3.0)
-        stage.collection.objects.link(camera)
-        stage.camera = camera
+        gonio.look_down(stage, 0.1, (0.1, 0.2, 3.0))
         image = gonio.rendered(stage).astype(float).mean(axis=(0, 1))
     F, T = 0.04, np.exp(-np.array([0.5, 2.0, 6.0]) * depth)
     # All orders: reflected F + (1-F)^2 F T^2 / (1 - F^2 T^2), passed (1-F)^2 T / (1 - F^2 T^2), both of white light.

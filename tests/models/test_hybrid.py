@@ -18,9 +18,10 @@ from vgroove.lab.check.cook_torrance import (
     seeded_sun_row,
 )
 from vgroove.lab.check.hybrid import excess, sent_by_lobes
-from vgroove.lab.check.rows import SETUPS, limit, surely_seen
+from vgroove.lab.check.rows import SETUPS, surely_seen
 from vgroove.lab.check.seeds import furnace_directions
 from vgroove.lab.check.views import closure_bar, furnace, measure
+from vgroove.lab.sidak import limit
 from vgroove.nodegroups import cook_torrance_mirror, osl_script, random_numbers, smith_lobe, versions
 from vgroove.nodegroups._tree import Value
 

@@ -26,6 +26,7 @@ from vgroove.addon.reference import (
 )
 from vgroove.addon.reference.directions import dot
 from vgroove.addon.reference.quadrature import vgroove_mean
+from vgroove.lab import sidak
 
 ETAS = [1.33, 1.5, 2.42, 1 / 1.5, 0.1, 10.0]
 SLOPES = [0.1, 0.3, 0.6, 1.0]
@@ -222,13 +223,8 @@ def test_transmittance_is_the_integral_of_the_btdf(eta, m, degrees):
 
 # --- sampling -------------------------------------------------------------------------------------------------------
 
-LEVEL = 0.01
 CASES = [(m, eta, view) for m in (0.1, 0.3, 1.0) for eta in (1.5, 2.42, 1 / 1.5) for view in (0.0, 30.0, 70.0)]
 EDGES = 12
-
-
-def sidak(tests):
-    return 1.0 - (1.0 - LEVEL) ** (1.0 / tests)
 
 
 def draw(model, view, count, seed):
@@ -277,7 +273,7 @@ def chi_square(model, view, sample_seed):
 def test_samples_are_distributed_as_pdf_says(case):
     """Above and below, each in 121 cells."""
     m, eta, view = case
-    assert chi_square(Glass(m, eta), view, [1982, CASES.index(case)]) > sidak(len(CASES))
+    assert chi_square(Glass(m, eta), view, [1982, CASES.index(case)]) > sidak.chance(len(CASES))
 
 
 @pytest.mark.parametrize("case", CASES, ids=str)
@@ -302,7 +298,7 @@ def test_mean_weight_is_reflectance_and_transmittance(case, thin):
     m, eta, view = case
     model = Glass(m, eta, tint=(0.3, 0.9, 1.0), thin=thin)
     wo, wi, weight = draw(model, view, 100_000, [5, round(10 * m), round(view)])
-    limit = stats.norm.isf(sidak(4 * (len(CASES) + 2)) / 2)
+    limit = sidak.limit(4 * (len(CASES) + 2))
     for side, expected in ((wi[:, 2] > 0, model.reflectance(wo)), (wi[:, 2] < 0, model.transmittance(wo))):
         values = weight[:, 1] * side
         spread = values.std() / np.sqrt(len(values))
@@ -365,7 +361,7 @@ def test_one_percent_of_shadow_in_the_weight_turns_the_means_red(monkeypatch, m)
     with_one_percent(monkeypatch, "transmitted_g")
     wi, weight = model.sample(wo, np.random.default_rng(2).random((200_000, 4)))
     values = weight[:, 0] * (wi[:, 2] < 0)
-    limit = stats.norm.isf(sidak(4 * (len(CASES) + 2)) / 2)
+    limit = sidak.limit(4 * (len(CASES) + 2))
     assert abs(values.mean() - model.transmittance(wo)[0]) > limit * values.std() / np.sqrt(len(values)) + 1e-6
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from vgroove.addon.reference import (
     Conductor,
@@ -27,10 +26,10 @@ from vgroove.addon.reference import (
     visible_facet,
 )
 from vgroove.addon.reference.directions import half_vector
+from vgroove.lab import sidak
 
 from ..chi_square import CELLS, chi_square, draw, gauss_panels, grid, probabilities, viewer
 
-LEVEL = 0.01
 FRESNEL = Schlick((0.04, 0.5, 1.0))
 SLOPES = [0.02, 0.1, 0.3, 0.6, 1.0, 3.0]
 VIEWS = [0.0, 30.0, 60.0, 85.0]
@@ -59,10 +58,6 @@ def seed(case):
     return [1982, CASES.index(case)]
 
 
-def sidak(tests):
-    return 1.0 - (1.0 - LEVEL) ** (1.0 / tests)
-
-
 @pytest.mark.parametrize("case", CASES, ids=name)
 def test_samples_are_distributed_as_pdf_says(case):
     """2e5 draws in 257 cells, the last of them below the surface."""
@@ -70,7 +65,7 @@ def test_samples_are_distributed_as_pdf_says(case):
     wo = viewer(view)
     wi, _ = draw(model, wo, 200_000, *seed(case))
     assert wi.shape == (200_000, 3)
-    assert chi_square(model, wo, wi) > sidak(len(CASES))
+    assert chi_square(model, wo, wi) > sidak.chance(len(CASES))
 
 
 @pytest.mark.parametrize("case", [CASES[1], CASES[7], CASES[14], CASES[19], MIXED[2]], ids=name)
@@ -94,7 +89,7 @@ def test_chi_square_sees_a_slope_wrong_by_four_percent(case):
     model, view = case
     wo = viewer(view)
     wi, _ = draw(CookTorrance(model.m * 1.04, FRESNEL), wo, 200_000, *seed(case))
-    assert chi_square(model, wo, wi) < sidak(len(CASES))
+    assert chi_square(model, wo, wi) < sidak.chance(len(CASES))
 
 
 @pytest.mark.parametrize("case", [ROUGH[1], ROUGH[13]], ids=name)
@@ -103,9 +98,9 @@ def test_chi_square_sees_a_slope_wrong_by_one_percent(case):
     model, view = case
     wo = viewer(view)
     wi, _ = draw(CookTorrance(model.m * 1.01, FRESNEL), wo, 1_000_000, *seed(case))
-    assert chi_square(model, wo, wi) < sidak(len(CASES))
+    assert chi_square(model, wo, wi) < sidak.chance(len(CASES))
     wi, _ = draw(model, wo, 1_000_000, *seed(case))
-    assert chi_square(model, wo, wi) > sidak(len(CASES))
+    assert chi_square(model, wo, wi) > sidak.chance(len(CASES))
 
 
 class WithoutDual(CookTorrance):
@@ -128,7 +123,7 @@ def test_chi_square_sees_a_missing_dual_and_a_lost_percent(m, view, wrong):
     """Other mistakes than in m: the dual facet left out, a density that does not add up to 1."""
     model, wo = wrong(m, FRESNEL), viewer(view)
     wi, _ = draw(model, wo, 200_000, 3)
-    assert chi_square(model, wo, wi) < sidak(len(CASES))
+    assert chi_square(model, wo, wi) < sidak.chance(len(CASES))
 
 
 # --- weights --------------------------------------------------------------------------------------------------------
@@ -192,7 +187,7 @@ def test_mean_weight_is_the_albedo(index):
     expected = albedo(model, wo)
     assert expected.shape == (3,)
     spread = weight.std(axis=0) / np.sqrt(len(weight))
-    limit = stats.norm.isf(sidak(3 * len(WEIGHED)) / 2)
+    limit = sidak.limit(3 * len(WEIGHED))
     # Rounding of the mean and the quadrature's 1e-6 for constant weights (Lambert: all draws weigh the same).
     assert (np.abs(weight.mean(axis=0) - expected) < limit * spread + 1e-6 * expected).all()
 
@@ -203,7 +198,7 @@ def test_mean_weight_shows_a_percent_in_the_weight(factor):
     model, wo = CookTorrance(0.6, FRESNEL), viewer(60.0)
     _, weight = draw(model, wo, 200_000, 5)
     spread = weight.std(axis=0) / np.sqrt(len(weight))
-    limit = stats.norm.isf(sidak(3 * len(WEIGHED)) / 2)
+    limit = sidak.limit(3 * len(WEIGHED))
     assert (np.abs(factor * weight.mean(axis=0) - albedo(model, wo)) > limit * spread)[1:].all()
 
 
@@ -230,7 +225,7 @@ def test_visible_facets_have_the_moments_of_their_density(m, view):
     for quantity in (lambda w: w[..., 2], lambda w: w[..., 0], lambda w: w[..., 0] ** 2):
         values = quantity(h)
         expected = np.sum(quantity(facet) * mass)
-        limit = stats.norm.isf(sidak(18) / 2)
+        limit = sidak.limit(18)
         assert abs(values.mean() - expected) < limit * values.std() / np.sqrt(len(values)) + 1e-4 * m
 
 
