@@ -47,7 +47,7 @@ def pytest_collection_modifyitems(config, items):
     if strength and not default and python:
         left |= {item for item in items if not item.get_closest_marker("blender")}
     for item in items:
-        if strength and hasattr(item, "callspec"):
+        if strength and item not in left and hasattr(item, "callspec"):
             least = 2 if default and not item.get_closest_marker("blender") else 1
             rows.setdefault((item.path, item.originalname, max(strength, least)), []).append(item)
     kept = {item for (*_, values), of in rows.items() for item in covering(of, values)}

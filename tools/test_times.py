@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What each file of tests spends, as the Markdown table of docs/testing.md.
 
-python tools/test_times.py NAME=FILE.xml...     of runs with `pytest -n auto --junitxml=FILE.xml`, a column each
+python tools/test_times.py NAME=FILE.xml...     of runs as `make test` has them, with --junitxml=FILE.xml; a column each
 
 Seconds are those of the tests, added up: two workers take about half as long. Files below a hundredth of the first
 run's sum are put together.

@@ -25,5 +25,5 @@ def test_little_is_done_outside_cycles(blender, tmp_path):
 
 def test_no_memory_is_left_behind(blender, tmp_path):
     """Under 20 kB a task, once all was needed once; until some fifty tasks later memory is still being divided up."""
-    _, slope = cost.one_process(parse(cost.job(200, 64, 16), "job", tmp_path), tmp_path)
+    _, slope = cost.one_process(parse(cost.job(200, 32, 4), "job", tmp_path), tmp_path)
     assert slope < 20_000

@@ -281,16 +281,16 @@ def test_an_error_is_reached_and_true(blender, tmp_path):
     """Against a picture of 16 times the samples, whose own noise adds 3 %; the rest is how well noise is known."""
     renderer = Renderer(tmp_path, VERSIONS)
     table = 'preset = "copper"\nset.m = 0.6\nestimator = "closure"\nresolution = "32x32"\n'
-    (task,) = tasks(table + "error = 0.1")
+    (task,) = tasks(table + "error = 0.2")
     with headless.quiet():
         outcome = renderer.render(task)
         assert renderer.render(task).status == "there"
     assert outcome.status == "rendered"
-    assert outcome.error <= 0.1
+    assert outcome.error <= 0.2
     assert outcome.samples > 2 * batch_task.FIRST  # it took more than the first look
     (fine,) = tasks(table + f"seed = 7\nsamples = {16 * outcome.samples}")
     picture, truth = images.load(tmp_path / f"{outcome.name}.exr"), rendered(renderer, fine)[1]
-    assert np.sqrt(np.mean((picture - truth) ** 2)) / truth.mean() < 0.1 * 1.2
+    assert np.sqrt(np.mean((picture - truth) ** 2)) / truth.mean() < 0.2 * 1.2
 
 
 @pytest.mark.parametrize("what", ["use_denoising", "use_adaptive_sampling"])

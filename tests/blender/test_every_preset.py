@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every preset that ships, built in both backends and rendered: a ball each, a family an image."""
+"""Every preset that ships, built and rendered: a ball each, a family an image."""
 
 from functools import partial
 
@@ -24,19 +24,32 @@ def family(name):
     return [preset for preset in all_presets().values() if preset.family == name]
 
 
+def sent_back(balls, members, backend):
+    """Mean of each ball in a white furnace, and its noise: of the mean of pixels, whose views differ too.
+
+    Each is finite, nowhere negative, not black, and at most 1 within its noise.
+    """
+    found = []
+    for preset, ball in zip(members, balls(partial(by_auto, members, backend), osl=backend == "osl"), strict=True):
+        mean, noise = ball.mean(axis=0), ball.std(axis=0, ddof=1) / np.sqrt(len(ball))
+        assert np.isfinite(ball).all(), preset.id
+        assert ball.min() >= 0.0, preset.id
+        assert np.all(mean <= 1.0 + 4.0 * noise + 1e-4), (preset.id, mean, noise)  # 1e-4: float32 sums
+        assert mean.max() > 0.005, (preset.id, mean)
+        found.append((mean, noise))
+    return found
+
+
 @pytest.mark.parametrize("name", FAMILIES)
 def test_every_preset_builds_and_sends_back_no_more_than_arrives(balls, name):
-    """In a white furnace a ball is finite, nowhere negative, not black, at most 1 within its noise, and the same in
-    both backends."""
-    members = family(name)
-    images = [balls(partial(by_auto, members, backend), osl=backend == "osl") for backend in material.BACKENDS]
-    for preset, *shown in zip(members, *images, strict=True):
-        means = [ball.mean(axis=0) for ball in shown]
-        # Of the mean of pixels; their views differ too, so it is no less than the noise.
-        noises = [ball.std(axis=0, ddof=1) / np.sqrt(len(ball)) for ball in shown]
-        for ball, mean, noise in zip(shown, means, noises, strict=True):
-            assert np.isfinite(ball).all(), preset.id
-            assert ball.min() >= 0.0, preset.id
-            assert np.all(mean <= 1.0 + 4.0 * noise + 1e-4), (preset.id, mean, noise)  # 1e-4: float32 sums
-            assert mean.max() > 0.005, (preset.id, mean)
-        assert np.all(np.abs(means[0] - means[1]) <= 5.0 * np.hypot(*noises) + 1e-4), (preset.id, means, noises)
+    sent_back(balls, family(name), "nodes")
+
+
+@pytest.mark.parametrize("step", [6, pytest.param(1, marks=pytest.mark.more)])
+@pytest.mark.parametrize("name", FAMILIES)
+def test_both_backends_send_back_the_same(balls, name, step):
+    """Each sixth preset, and by `make test-all` each: OSL compiles one for 0.2 s; within a model numbers differ."""
+    members = family(name)[::step]
+    backends = [sent_back(balls, members, backend) for backend in material.BACKENDS]
+    for preset, (mean, noise), (other, its_noise) in zip(members, *backends, strict=True):
+        assert np.all(np.abs(mean - other) <= 5.0 * np.hypot(noise, its_noise) + 1e-4), (preset.id, mean, other)

@@ -9,7 +9,7 @@ import pytest
 
 from vgroove import headless
 from vgroove.addon import models
-from vgroove.addon.blender import gonio, material, slots
+from vgroove.addon.blender import gonio, images, material, slots
 from vgroove.addon.blender.material import Choice, MaterialError, build, lamps_to_bind
 from vgroove.addon.choose import automatic
 from vgroove.addon.library import presets
@@ -115,19 +115,18 @@ def test_unknown_choices_are_one_line(blender):
 
 
 RENDER_WITHOUT_US = """
-import sys
+import pathlib, sys
 sys.modules["vgroove"] = None
 import bpy
-bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
-bpy.context.scene.render.filepath = sys.argv[2]
-bpy.ops.render.render(write_still=True)
+for path in map(pathlib.Path, sys.argv[1:]):
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    bpy.context.scene.render.filepath = str(path.with_suffix(".exr"))
+    bpy.ops.render.render(write_still=True)
 """
 
 
-@pytest.mark.parametrize("backend", material.BACKENDS)
-@pytest.mark.parametrize("estimator", material.ESTIMATORS)
-def test_a_saved_file_renders_the_same_without_the_extension(blender, tmp_path, backend, estimator):
-    """Opened by a Blender that has never heard of vgroove, in another process, the picture is the same."""
+def saved(bpy, path, backend, estimator):
+    """A sphere's picture, and the file that shows it."""
     with headless.quiet(), gonio.stage((48, 48), samples=16, seed=3, shading_osl=backend == "osl") as stage:
         (lamp,) = gonio.light(stage, gonio.Geometry(30.0))
         lamp.data.angle = 0.3 if estimator == "mirror" else 0.0
@@ -135,20 +134,25 @@ def test_a_saved_file_renders_the_same_without_the_extension(blender, tmp_path, 
         # Shadows stay on: tracing is part of what has to survive.
         made = build(materials()["conductor"], Choice(backend, estimator, lamps))
         gonio._sphere(stage, made)
-        camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
+        camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         camera.location = (0, 0, 5)
         stage.collection.objects.link(camera)
         stage.camera = camera
-        blender.context.window.scene = stage
+        bpy.context.window.scene = stage
         here = gonio.rendered(stage)
-        path, image = tmp_path / "scene.blend", tmp_path / "there.exr"
-        blender.ops.wm.save_as_mainfile(filepath=str(path))
-    subprocess.run([sys.executable, "-c", RENDER_WITHOUT_US, str(path), str(image)], check=True, capture_output=True)
-    loaded = blender.data.images.load(str(image))
-    loaded.colorspace_settings.name = "Non-Color"
-    there = np.array(loaded.pixels[:], np.float32).reshape(48, 48, -1)[::-1, :, :3]
-    assert here.max() > 0.1
-    np.testing.assert_array_equal(here, there)
+        bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return here
+
+
+def test_saved_files_render_the_same_without_the_extension(blender, tmp_path):
+    """Opened by a Blender that has never heard of vgroove, in another process, each picture is the same."""
+    paths = [tmp_path / f"{choice.estimator} {choice.backend}.blend" for choice in CHOICES]
+    pictures = [saved(blender, path, of.backend, of.estimator) for path, of in zip(paths, CHOICES, strict=True)]
+    subprocess.run([sys.executable, "-c", RENDER_WITHOUT_US, *map(str, paths)], check=True, capture_output=True)
+    for path, here in zip(paths, pictures, strict=True):
+        there = images.load(path.with_suffix(".exr"))
+        assert here.max() > 0.1, path.stem
+        np.testing.assert_array_equal(here, there, err_msg=path.stem)
 
 
 def test_mirror_with_a_lamp_of_zero_size_sees_it_by_the_formula(blender):

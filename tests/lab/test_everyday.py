@@ -55,6 +55,7 @@ def agrees(name, subject):
     assert seen.estimator in NATIVE or subject == "glass"
 
 
+@pytest.mark.once
 @pytest.mark.parametrize(("name", "subject"), [("area", "copper"), ("sun", "plaster"), ("area", "plastic")])
 def test_default_material_does_not_take_several_times_as_long(blender, name, subject):
     """The median of rounds that take turns: what else the machine does falls on both.
