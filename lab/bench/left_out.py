@@ -276,7 +276,7 @@ def _render(
 def _compared(
     a: NDArray[np.float64], b: NDArray[np.float64], samples: int, *, independent: bool = False
 ) -> dict[str, Any]:  # fmt: skip
-    """Root mean square difference of two pictures, over the first one's root mean square, and whether it is only chance.
+    """Root mean square difference of two pictures, over that of the first, and whether it is only chance.
 
     "off": the largest difference of a channel's mean, over the same. independent: the pictures have random numbers of
     their own, and "z" says by how many standard errors the means differ.
