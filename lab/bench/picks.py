@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ... import headless
 from ...addon.blender import facts
-from ...addon.blender.material import BUILDERS, NATIVE
+from ...addon.blender.material import BUILDERS, EVERY_LAMP, NATIVE
 from ...addon.choose import automatic
 from . import contenders
 from .cells import Picks
@@ -18,12 +18,6 @@ from .scenes import stage
 if TYPE_CHECKING:
     from pathlib import Path
 
-REFUSED = {
-    "corrected": "binds lights",
-    "direct": "binds lights and shows nothing else",
-    "hybrid": "draws random facets",
-    "mirror": "draws random facets",
-}
 SIZE = 8  # pixels, which decide nothing
 
 
@@ -43,4 +37,5 @@ def measure(_folder: Path, name: str, subject: str, *, quick: bool) -> Picks:
             shown.scene.cycles.samples = samples
             found.append(automatic.pick_estimator(known, preset))
     never = [name for name in BUILDERS[preset.model] if name not in {*NATIVE, *found}]
-    return Picks(estimators=tuple(found), refused={name: REFUSED[name] for name in never})
+    why = {name: "binds lights" if name in EVERY_LAMP else "draws random facets" for name in never}
+    return Picks(estimators=tuple(found), refused=why)
