@@ -7,10 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from ...nodegroups import cook_torrance_closure as closure
-from ...nodegroups import (
-    fresnel,
-    osl_script,
-)
+from ...nodegroups import fresnel, osl_script
 from ...nodegroups._tree import Value, select
 from .universal_data import NAME, REVISION
 

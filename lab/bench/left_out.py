@@ -108,8 +108,8 @@ def _backend() -> str:
 def stage(name: str, size: int = SIZE) -> Scene:
     """A ball under one of ``SCENES``: an environment map, an area lamp alone, or a sky and two lamps of no size.
 
-    The ball is at the origin, unturned: else Cycles rounds its points anew in materials that it cannot apply transforms
-    for, such as with subsurface scattering, and the hash of a position would give other random numbers.
+    The ball is at the origin, unturned: else Cycles rounds its points again where it cannot apply transforms, such as
+    with subsurface scattering, and the hash of a position would give other random numbers.
     """
     import bpy
 
@@ -166,8 +166,8 @@ def setup(
         data = universal_data.data_of(preset, (FRAME - 1.0) / LENGTH, play)
         pair = {"built": (build(preset, choice), data), "universal": (universal.build(choice), data)}
         first, full, pictures = _turns(shown, pair, rounds, backend)
-        anew = _draws_anew(preset, choice)
-        same = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], anew=anew)
+        independent = _redraws(preset, choice)
+        same = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], independent=independent)
         lines = _lines(shown, preset, account, most=0 if name == OSL_SCENE else most)
         sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
     ratios = [one["universal"] / max(one["built"], 1e-3) for one in full]
@@ -229,7 +229,7 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None =
     if not most:
         return tuple(named)
     built, samples = build(preset, account.choice), SAMPLES[account.choice.backend]
-    anew = _draws_anew(preset, account.choice)
+    independent = _redraws(preset, account.choice)
     start = universal_data.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
     nothing = universal_data.data_of(None)
     plain, seconds = _render(shown, built, nothing, samples)
@@ -242,7 +242,7 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None =
             other, data = universal.with_part(built, account.choice, part), nothing
         picture, more = _render(shown, other, data, samples)
         nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
-        same = _compared(plain, picture, samples, anew=anew)["same"]
+        same = _compared(plain, picture, samples, independent=independent)["same"]
         named[index] = replace(named[index], nodes=nodes, slowdown=more / seconds, same=same)
     return tuple(named)
 
@@ -274,12 +274,12 @@ def _render(
 
 
 def _compared(
-    a: NDArray[np.float64], b: NDArray[np.float64], samples: int, *, anew: bool = False
+    a: NDArray[np.float64], b: NDArray[np.float64], samples: int, *, independent: bool = False
 ) -> dict[str, Any]:  # fmt: skip
-    """Root mean square of what two pictures differ by, as a share of the first one's, and whether that means nothing.
+    """Root mean square difference of two pictures, over that of the first, and whether it is only chance.
 
-    "off": the largest difference of the mean of a channel, as a share of the same. anew: the pictures are of random
-    numbers of their own, and "z" says by how many standard errors the means differ.
+    "off": the largest difference of a channel's mean, over the same. independent: the pictures have random numbers of
+    their own, and "z" says by how many standard errors the means differ.
     """
     d, scale, pixels = a - b, float(np.sqrt(np.mean(a**2))), a.shape[0] * a.shape[1]
     difference = float(np.sqrt(np.mean(d**2))) / scale
@@ -287,11 +287,11 @@ def _compared(
     off = float(np.max(means)) / scale
     z = float(np.max(means / np.maximum(np.std(d, axis=(0, 1)) / pixels**0.5, 1e-30)))
     most = BRIGHT * (FLIPS / samples) ** 0.5
-    same = z < MOST_Z if anew else difference < most and off < MOST_Z * most / pixels**0.5 + WEIGHTS
+    same = z < MOST_Z if independent else difference < most and off < MOST_Z * most / pixels**0.5 + WEIGHTS
     return {"difference": difference, "off": off, "z": z, "same": bool(same)}
 
 
-def _draws_anew(preset: Preset, choice: Choice) -> bool:
+def _redraws(preset: Preset, choice: Choice) -> bool:
     """Whether a ray that met the material once draws a facet where it meets it again.
 
     It does so at another place, by the last digit, and the hash of that has nothing to do with the other's.

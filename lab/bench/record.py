@@ -250,12 +250,12 @@ def _float(value: Any, _: type) -> float:
 
 
 def _array(values: Any, kind: type) -> NDArray[Any]:
-    """A list of numbers; null is not a number."""
-    array = np.asarray(values, kind)
-    if not isinstance(values, list) or array.ndim != 1:
-        message = f"{shown(values)} is no list of numbers"
+    """A list of truth values, or of numbers, of which null is nan."""
+    types = {bool} if kind is np.bool_ else {int, float, type(None)}
+    if not isinstance(values, list) or not types.issuperset(map(type, values)):
+        message = f"{shown(values)} is no list of {'truth values' if kind is np.bool_ else 'numbers'}"
         raise TypeError(message)
-    return array
+    return np.asarray(values, kind)
 
 
 def _rounded(value: float) -> float | None:

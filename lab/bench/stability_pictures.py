@@ -70,7 +70,7 @@ class Shot:
 
 @dataclass(frozen=True)
 class Photo:
-    """What a shot gave: the plane's picture, as a row of ``check``, and what is told of its rays."""
+    """What a shot gave: the plane's picture, as a row of ``check``, and what is known of its rays."""
 
     row: Row
     noise: float  # root mean square of what pixels are off by, over what their samples explain

@@ -48,7 +48,7 @@ def error(pictures: NDArray[np.floating], truths: NDArray[np.floating]) -> Error
     seen, exact = np.asarray(pictures, np.float64), np.asarray(truths, np.float64)
     s, a = len(seen), len(exact)
     if s < 2:
-        message = f"bias and noise need two pictures to be told apart, got {s}"
+        message = f"bias and noise need two pictures to be separated, got {s}"
         raise ValueError(message)
     scale2 = scale(exact) ** 2
     variance = np.var(seen, axis=0, ddof=1)

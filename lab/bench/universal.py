@@ -27,15 +27,7 @@ from ... import nodegroups
 from ...addon.blender import lamps as lamp_binding
 from ...addon.blender.material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
 from ...addon.models import base_name
-from ...nodegroups import (
-    absorption,
-    cook_torrance,
-    cook_torrance_albedo,
-    lamp,
-    ramp,
-    shading_normal,
-    versions,
-)
+from ...nodegroups import absorption, cook_torrance, cook_torrance_albedo, lamp, ramp, shading_normal, versions
 from ...nodegroups._tree import Value, output
 from ...nodegroups.lamp_beams import beam_interfaces
 from .any_fresnel import ANY, any_kind, by_data

@@ -12,9 +12,8 @@ from ...addon.blender import lamps as lamp_binding
 from ...addon.library.checks import M_RANGE
 from ...addon.library.presets import Preset, shipped
 from ...addon.models import base_name
-from ...nodegroups import (
-    fresnel,
-)
+from ...nodegroups import fresnel
+from . import peers
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -47,15 +46,13 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
     if preset is not None:
         values |= {universal_name(name): value for name, value in preset.parameters.items()}
         values["m"] = max(values["m"], M_RANGE[0])
-        alone = {"cook_torrance": ("s",), "translucent": ("s",), "oren_nayar": ("d",), "car_paint": ("d",)}
-        values |= dict.fromkeys(alone.get(preset.model, ()), 1.0)
         kinds = list(fresnel.KINDS)
         switches["fresnel"] = float(kinds.index(preset.kind)) if preset.kind in kinds else 0.0
         switches["qualitative"] = float(preset.kind == "qualitative")
-        switches["coupled"] = float(preset.coupled or not preset.spec.mirrors)
-        switches["body"] = float(not preset.spec.mirrors)
-        switches["glass"], switches["thin"] = float(preset.transparent), float(preset.kind == "thin")
+        switches["coupled"], switches["thin"] = float(preset.coupled), float(preset.kind == "thin")
         switches["smooth"] = float(preset.m == 0.0)
+        for name, value in peers.of(preset).UNIVERSAL.items():
+            (switches if name in switches else values)[name] = value
         if play is not None:
             switches["age"] = age
             keys = {universal_name(n): of for n, of in course.keyframes(preset.trajectory(), play).items()}

@@ -61,7 +61,7 @@ def test_a_slope_may_be_off_by_a_twentieth(power, holds):
     assert ("but softbox, copper" in found) is not holds
 
 
-def test_seeds_of_mirror_that_only_its_slope_needs_are_said_and_counted():
+def test_seeds_that_only_the_slope_of_mirror_needs_are_shown_and_counted():
     """What one picture errs by scatters by the root of their number more than the bias, which is of all of them."""
     few = with_mirror()
     many = with_mirror(seeds=[SEEDS] * 4 + [4 * SEEDS, 9 * SEEDS] + [SEEDS] * (len(COUNTS) - 6))
@@ -86,7 +86,7 @@ def test_a_slope_that_is_not_known_claims_nothing():
     assert found.endswith("not known so well in checkered floor, copper")
 
 
-def test_even_samples_are_told_as_a_cause_only_where_they_help():
+def test_even_samples_are_called_a_cause_only_where_they_help():
     """And hybrid, whose random numbers are of both kinds, is in neither."""
     cell = accuracy()
     assert not any(line.startswith("The noise of") for line in claims.headlines(only({"accuracy/a/b": cell})))
@@ -97,7 +97,7 @@ def test_even_samples_are_told_as_a_cause_only_where_they_help():
     assert "mirror's as −0.50 in the median" in line
 
 
-def test_where_rays_seldom_hit_the_lamp_neither_a_slope_nor_missing_light_is_told():
+def test_where_rays_rarely_hit_the_light_there_is_neither_a_slope_nor_a_bias():
     """Until a ray has met it, all of its light is missing, in every picture alike: that is no bias of mirror's."""
     bias2 = np.full(len(COUNTS), 0.9**2)
     bias2[-2:] = 0.0
@@ -139,7 +139,7 @@ def test_mirror_is_unbiased_by_truths_that_it_has_no_part_in():
     assert "Mirror's bias cannot" not in claimed({"accuracy/a/b": with_mirror(bias2=off) | {"independent": False}})
 
 
-def test_scenes_that_the_bias_of_mirror_is_not_judged_in_are_said():
+def test_scenes_in_which_mirrors_bias_is_not_evaluated_are_counted():
     """Where hits are rare, whoever knows the truth; and where mirror itself is the truth."""
     sun = accuracy("sun") | {"independent": True}
     own = accuracy("checker") | {"independent": False}

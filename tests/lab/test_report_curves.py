@@ -48,7 +48,7 @@ def test_slope_is_that_of_the_noise_over_the_range():
     assert curve(0.05, 0.0, 1e-3).slope is None  # without noise there is none
 
 
-def test_bias_is_told_from_0_by_three_standard_errors():
+def test_bias_is_distinguished_from_0_by_three_standard_errors():
     cell = accuracy()
     one = cell["contenders"]["fit, nodes"]
     for factor, told in ((2.9, False), (3.1, True)):
@@ -127,7 +127,7 @@ def test_winner_changes_where_the_curves_cross():
         assert pick.close is bool(ratio <= 1.1)
 
 
-def test_picks_are_held_against_what_others_err_in_the_time_of_their_samples():
+def test_picks_are_compared_with_others_at_equal_time_of_samples():
     """What a render starts with counts for nothing: in corrected's 64 samples closure has 96, for a bias of .05."""
     found = contested(accuracy())
     assert found.judged_from == pytest.approx(2.0 * START, rel=1e-9)
@@ -163,7 +163,7 @@ def test_a_poor_choice_is_one_that_chance_does_not_explain(pixels, far):
     )
 
 
-def test_a_count_that_is_not_resolved_tells_nothing():
+def test_a_count_that_is_not_resolved_shows_nothing():
     """The most samples, and the fewest: no bias, no winner, no point of a slope, no time to an error."""
     resolved = np.ones(len(COUNTS), bool)
     resolved[[0, -1]] = False
@@ -216,7 +216,7 @@ def test_a_count_that_is_not_resolved_is_bridged_between_two_that_are():
     assert curve.error_of(1.01 * COUNTS[-2]) == np.inf
 
 
-def test_who_errs_least_is_not_told_where_a_rival_is_not_known():
+def test_there_is_no_winner_where_a_rival_is_not_known():
     """closure is known at 4096 samples alone: before that it might be the best."""
     cell = accuracy()
     cell["contenders"]["closure, nodes"]["resolved"] = [False] * (len(COUNTS) - 1) + [True]
@@ -224,7 +224,7 @@ def test_who_errs_least_is_not_told_where_a_rival_is_not_known():
     assert [win.at for win in contested(cell).wins_of_samples] == [COUNTS[-1]]
 
 
-def test_where_starting_dominates_equal_samples_are_told():
+def test_where_setup_dominates_equal_samples_are_shown():
     """Of 16, 64 and 256 samples of 1 ms after 0.5 s: noise .3 / sqrt(N) and a bias of .05 or none."""
     cell = accuracy(counts=(16, 64, 256))
     cell["contenders"] = {

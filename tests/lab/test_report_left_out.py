@@ -33,7 +33,7 @@ def compared(preset, scene, backend, estimator="auto", changes=(dict,), samples=
             left_out._ball(shown).active_material = None
             found.append(left_out._render(shown, made, change(universal_data.data_of(preset)), samples)[0])
     assert built.mean() > 1e-3
-    return [left_out._compared(built, one, samples, anew=left_out._draws_anew(preset, choice)) for one in found]
+    return [left_out._compared(built, one, samples, independent=left_out._redraws(preset, choice)) for one in found]
 
 
 @pytest.mark.parametrize(

@@ -108,7 +108,7 @@ def test_a_report_says_how_long_it_took_and_what_it_lacks():
     assert said == "Blender 5.2.3, 2 measurements missing"
 
 
-def test_factors_of_a_handful_of_hits_are_not_told():
+def test_factors_of_a_handful_of_hits_are_not_counted():
     cells = {"accuracy/a/b": accuracy("sun"), "accuracy/c/d": accuracy()}
     said = next(line for line in claims.headlines(only(cells)) if line.startswith("At equal time"))
     assert said.endswith("; not counted where the light is rarely hit.")

@@ -21,7 +21,7 @@ def path(tmp_path):
 
 
 def picks(*names):
-    return Picks(names)
+    return Picks(estimators=names)
 
 
 def test_a_record_is_resumed(path):
@@ -111,13 +111,24 @@ def test_a_cell_of_another_type_is_refused_by_its_name(part):
 
 
 def test_numbers_are_numbers():
-    """No text, truth value or null stands in for one."""
-    for value in ("1.0", True, None):
-        for kind, wrong in ((float, value), (int, 1.5), (record.Numbers, [value]), (bool, 1), (str, 1)):
-            if (kind, wrong) != (record.Numbers, ["1.0"]) and (kind, wrong) != (record.Numbers, [True]):
-                with pytest.raises((ReportError, TypeError)):
-                    record._structured(wrong, kind, "")
-    assert record._structured([1, 2.5], record.Numbers, "").dtype == np.float64
+    """No text or truth value stands in for one, and null for none but in a list, where it is nan."""
+    for value in ("1.0", True, None, [1.0]):
+        for kind in (float, int, record.Flags):
+            with pytest.raises((ReportError, TypeError)):
+                record._structured(value, kind, "")
+    for kind, wrong in (
+        (int, 1.5),
+        (bool, 1),
+        (str, 1),
+        (record.Numbers, ["1.0"]),
+        (record.Numbers, [True]),
+        (record.Flags, [1]),
+    ):
+        with pytest.raises((ReportError, TypeError)):
+            record._structured(wrong, kind, "")
+    kept = record._structured([1, 2.5, None], record.Numbers, "")
+    np.testing.assert_array_equal(kept, [1.0, 2.5, np.nan])
+    assert kept.dtype == np.float64
 
 
 def test_what_a_measurement_took_is_kept_and_what_is_lacking_is_known(path):
@@ -134,14 +145,15 @@ def test_what_a_measurement_took_is_kept_and_what_is_lacking_is_known(path):
 # The digest
 
 
-@pytest.fixture
-def copied(tmp_path, monkeypatch):
-    """The checkout's code in a folder that may be changed."""
-    for folder in ("addon", "nodegroups", "osl", "presets", "lab", "batch", "headless", "cli"):
-        shutil.copytree(digest.ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(digest.ROOT / "__init__.py", tmp_path)
-    monkeypatch.setattr(digest, "ROOT", tmp_path)
-    return tmp_path
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory):
+    """The checkout's code in a folder that may be changed, and its digests."""
+    folder = tmp_path_factory.mktemp("code")
+    with pytest.MonkeyPatch.context() as patch:
+        for room in ("addon", "nodegroups", "osl", "presets", "lab", "batch", "headless", "cli"):
+            shutil.copytree(digest.ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
+        patch.setattr(digest, "ROOT", folder)
+        yield folder, {part: digest.code(part) for part in PARTS}
 
 
 @pytest.mark.parametrize(
@@ -167,10 +179,11 @@ def copied(tmp_path, monkeypatch):
 )
 def test_the_digest_of_a_part_is_of_what_decides_its_numbers(copied, name, parts):
     """What other parts measure and what draws changes nothing; what all parts go through changes all."""
-    before = {part: digest.code(part) for part in PARTS}
-    text = (copied / name).read_text()
-    (copied / name).write_text(text + ("\n# another\n" if name.endswith(".toml") else "\nx = 1\n"))
+    folder, before = copied
+    text = (folder / name).read_text()
+    (folder / name).write_text(text + ("\n# another\n" if name.endswith(".toml") else "\nx = 1\n"))
     changed = {part for part in PARTS if digest.code(part) != before[part]}
+    (folder / name).write_text(text)
     assert changed >= set(parts)
     assert bool(changed) is bool(parts)
     if name.startswith(("lab/bench/stability", "lab/bench/figures", "batch/", "lab/bench/everyday")):
@@ -179,22 +192,22 @@ def test_the_digest_of_a_part_is_of_what_decides_its_numbers(copied, name, parts
 
 def test_a_file_that_moves_or_is_reworded_keeps_the_digest(copied):
     """Its imports are others then, and so are those of who imports it; one number that changes is seen."""
-    before = {part: digest.code(part) for part in PARTS}
-    old, new = copied / "addon/reference/distributions.py", copied / "addon/reference/facets/distributions.py"
+    folder, before = copied
+    old, new = folder / "addon/reference/distributions.py", folder / "addon/reference/facets/distributions.py"
     new.parent.mkdir()
     (new.parent / "__init__.py").write_text("")
     text = old.read_text()
     old.unlink()
     moved = re.sub(r"^from \.(\w)", r"from ..\1", text, flags=re.MULTILINE)
     new.write_text(moved.replace('"""', '"""Reworded. ', 1) + "\n# a comment\n")
-    for path in copied.rglob("*.py"):
+    for path in folder.rglob("*.py"):
         path.write_text(path.read_text().replace(".distributions import", ".facets.distributions import"))
     assert {part: digest.code(part) for part in PARTS} == before
     new.write_text(moved.replace("1e-8", "2e-8"))
     assert all(digest.code(part) != before[part] for part in PARTS)
 
 
-def test_each_part_is_decided_by_its_module_and_by_none_that_draws():
+def test_each_part_is_decided_by_its_module_and_by_none_that_draws(copied):
     for part in PARTS:
         found = digest.modules(part)
         assert {f"lab/bench/{part}.py", f"lab/bench/{part}/__init__.py"} & found

@@ -26,7 +26,7 @@ ALBEDOS = (0.2, 0.5, 0.8)
 SHORT_VIEWS = (0.0, 20.0, 45.0, 70.0, 85.0)  # degrees
 VIEWS = (0.0, 45.0, 70.0, 80.0, 89.0)
 GRAZING, NEAREST = 85.0, 89.9  # degrees: of a single draw, and of a view
-NODES = 24  # quadrature in each angle; more move no figure that is told
+NODES = 24  # quadrature in each angle; more change no figure that is shown
 
 
 def tables() -> dict[str, Table]:

@@ -5,6 +5,7 @@ LOCAL           whether light leaves the surface where it arrives, so that f alo
 cycles(preset)  Cycles' own materials that an artist would take instead, as ``nodes.Peer``
 native(tree, preset)  the socket of the nearest material of Cycles' own nodes, wired by hand
 mitsuba(preset) the nearest BSDF of Mitsuba, as its dictionary; None if there is none
+UNIVERSAL       what of the universal material's data the model sets: weights that its presets lack, and switches
 """
 
 from __future__ import annotations

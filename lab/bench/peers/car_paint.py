@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ....addon.library.presets import Preset
 
 LOCAL = True
+UNIVERSAL = {"d": 1.0}
 F0_OF_GLASS = 0.04  # what Principled's usual IOR of 1.5 reflects
 
 

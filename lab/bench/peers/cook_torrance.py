@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ....addon.library.presets import Preset
 
 LOCAL = True
+UNIVERSAL = {"s": 1.0}
 
 
 def cycles(preset: Preset) -> Iterator[Peer]:

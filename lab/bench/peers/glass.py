@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ....addon.library.presets import Preset
 
 LOCAL = False
+UNIVERSAL = {"glass": 1.0}
 
 
 def cycles(preset: Preset) -> Iterator[Peer]:

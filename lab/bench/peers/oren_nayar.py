@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ....addon.library.presets import Preset
 
 LOCAL = True
+UNIVERSAL = {"d": 1.0}
 
 
 def cycles(preset: Preset) -> Iterator[Peer]:

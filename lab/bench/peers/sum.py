@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ....addon.library.presets import Preset
 
 LOCAL = True
+UNIVERSAL: dict[str, float] = {}
 
 
 def cycles(preset: Preset) -> Iterator[Peer]:

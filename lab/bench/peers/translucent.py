@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ....addon.library.presets import Preset
 
 LOCAL = False
+UNIVERSAL = {"s": 1.0, "coupled": 1.0, "body": 1.0}
 
 
 def cycles(preset: Preset) -> Iterator[Peer]:
