@@ -13,15 +13,17 @@ from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from ...addon.library.files import FileError, read_text, write_text
+from ...addon.models import MODELS, fresnel
 from ..bench.record import ReportError
 from ..bench.scene_table import SCENES
 from . import automatic, published, summary
 from .words import percent, times
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
+    from ...addon.models import Parameter
     from ..bench.cells import Table
     from .published import CurveFigures, Published
 
@@ -258,7 +260,32 @@ def _fit_time(scene: str) -> Callable[[Published], str]:
     return shown
 
 
+def _parameters(rows: Iterable[tuple[str, Parameter]], first: str) -> str:
+    """Parameters as specs have them."""
+    columns = [first, "in the file", "in Blender", "range", "unit", "what it is"]
+    texts = [
+        [name, f"`{one.name}`", one.label, f"{one.low:g} to {one.high:.4g}", one.unit, one.tip] for name, one in rows
+    ]
+    return _markdown(columns, texts)
+
+
+def _models(_found: Published) -> str:
+    """Own parameters of every model, those of its lobes too."""
+    rows = [
+        (f"`{model.name}`", one)
+        for model in MODELS.values()
+        for one in dict.fromkeys((*model.parameters, *model.lobes))
+    ]
+    return _parameters(rows, "model")
+
+
+def _fresnel(_found: Published) -> str:
+    return _parameters([(of.label, one) for of in fresnel.KINDS.values() for one in of.parameters], "term")
+
+
 FIGURES: dict[str, Callable[[Published], str]] = {
+    "models": _models,
+    "fresnel": _fresnel,
     "summary": _summary,
     "fit.gentle": _fit_worst(0.4),
     "fit.rough": _fit_worst(1.0),
