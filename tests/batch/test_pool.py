@@ -81,7 +81,7 @@ def check_whole(folder, same_as_quiet, tasks):
 
 @pytest.mark.once
 def test_kills_cost_nothing(folder, same_as_quiet, family):
-    """kill -9 of both processes, then of one that renders or is only starting: each task once, as a quiet run has it."""
+    """kill -9 of both processes, then of one that renders or only starts: each task once, as a quiet run has it."""
     tasks = parse(SMALL + f"seed = {list(range(12))}\n", "job", folder)
     found, kills = [], 0
     for outcome in pool.outcomes(tasks, folder / "out", VERSIONS, limits()):
