@@ -127,6 +127,8 @@ def balls(blender):
         mesh.materials.append(None)
         with headless.quiet(), gonio.stage((PIXELS, PIXELS), samples=samples, seed=0, shading_osl=osl) as stage:
             gonio.light(stage, gonio.Geometry(furnace=True, lit=lit))
+            sky = stage.world.cycles  # as quick_sky has it
+            sky.sampling_method, sky.sample_map_resolution = "MANUAL", 512
             made = make(stage)
             side = int(np.ceil(np.sqrt(len(made))))
             stage.render.resolution_x = stage.render.resolution_y = PIXELS * side
