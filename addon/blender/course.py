@@ -167,7 +167,7 @@ def span_of(curves: Iterable[FCurve]) -> tuple[float, float]:
     """First and last frame of all keys."""
     frames = [point.co.x for curve in curves for point in curve.keyframe_points]
     if not frames:
-        message = "this material has no keys; add its course first"
+        message = "this material has no keys; add its animation first"
         raise AnimationError(message)
     return min(frames), max(frames)
 
@@ -209,7 +209,9 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
     fed = {name for name, one in sockets.items() if any(link.from_node == node for link in one.links)}
     if missing := fed - set(held):
         what = ", ".join(sorted(missing))
-        message = f"{material.name}: {what} in its Trajectory group was changed and cannot be read; remove the course"
+        message = (
+            f"{material.name}: {what} in its Trajectory group was changed and cannot be read; remove the animation"
+        )
         raise AnimationError(message)
     held = {name: keys for name, keys in held.items() if name in fed}
     played = _by_frame(material, node, held, sockets)

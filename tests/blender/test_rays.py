@@ -168,7 +168,7 @@ def test_the_panel_warns_of_as_few_samples_as_gain_noise(far):
         assert bool(named(far)) == warned
     far.cycles.samples = 256
     (problem,) = named(far)
-    assert f"256 samples have the noise of {1.0 / (1.0 / 256 + 1.0 / found):.0f}" in problem.text
+    assert f"256 samples are as noisy as {1.0 / (1.0 / 256 + 1.0 / found):.0f}" in problem.text
 
 
 def test_nobody_is_warned_of_more_samples_than_can_be_told(far):
