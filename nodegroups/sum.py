@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..addon.models.sum import MODEL, TOGETHER, D, S
+from ..addon.models.sum import MODEL, AT_MOST_ONE, D, S
 from . import cook_torrance, cook_torrance_albedo
 from .parameters import add_input
 from .shading_normal import specular_normal, typical_smoothing
@@ -55,7 +55,7 @@ def build(
 
 def weights(tree: Tree, *, coupled: bool) -> tuple[Value, Value]:
     """The inputs Diffuse and Specular; coupled, they need not share what arrives."""
-    shared = {one: one.tip.removesuffix(TOGETHER) for one in (D, S)}
+    shared = {one: one.tip.removesuffix(AT_MOST_ONE) for one in (D, S)}
     tips = {D: f"{shared[D]}, of what the specular part leaves", S: shared[S]} if coupled else {D: "", S: ""}
     return add_input(tree, D, tip=tips[D]), add_input(tree, S, tip=tips[S])
 
