@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from .outcome import Outcome
 
 READY = "ready"
-LOOK = 0.25  # seconds between looks at a process's time and memory
+POLL_INTERVAL = 0.25  # seconds between looks at a process's time and memory
 OLD = 3600.0  # seconds, after which nobody still writes a file that takes well under one
 TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.(\d+)-(\w*)\.\w+")  # of a task, by files.replacing
 SCRATCH = re.compile(r"vgroove-(\d+)-\w+")  # a folder of a process that was begun by another
@@ -111,7 +111,7 @@ class Child:
 
     def _watch(self, done: threading.Event, longest: float, most: int) -> None:
         start = time.monotonic()
-        while not done.wait(LOOK):
+        while not done.wait(POLL_INTERVAL):
             if time.monotonic() - start > longest:
                 self.kill(f"took longer than {longest:g} s; give more with --timeout")
             elif self.held() > most:

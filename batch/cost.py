@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 VGROOVE = Path(sys.executable).parent / "vgroove"
 STILLS, LARGER_STILLS, ALONE = 120, 4, 6
-SETTLED = 0.2  # of the tasks, after which memory is looked at: by then everything was needed once
+WARM_UP = 0.2  # of the tasks, after which memory is looked at: by then everything was needed once
 
 
 def rows() -> list[list[Any]]:
@@ -63,8 +63,8 @@ def alone(count: int, folder: Path) -> float:
     """Seconds of a still that a process of its own renders."""
     start = time.perf_counter()
     for seed in range(count):
-        given = ["--resolution", "64x64", "--samples", "16", "--seed", str(seed), "--estimator", "fit"]
-        command = [str(VGROOVE), "render", "copper", *given, "-o", str(folder / "alone.exr")]
+        options = ["--resolution", "64x64", "--samples", "16", "--seed", str(seed), "--estimator", "fit"]
+        command = [str(VGROOVE), "render", "copper", *options, "-o", str(folder / "alone.exr")]
         subprocess.run(command, check=True, capture_output=True)
     return (time.perf_counter() - start) / count
 
@@ -110,6 +110,6 @@ def one_process(tasks: list[Task], folder: Path) -> tuple[float, float]:
         spent = time.perf_counter() - began
     finally:
         _cycles.render = real
-    settled = held[int(SETTLED * len(held)) :]
+    settled = held[int(WARM_UP * len(held)) :]
     slope = float(np.polyfit(np.arange(len(settled)), settled, 1)[0]) if len(settled) > 1 else math.nan
     return (spent - within[0]) / within[0], slope

@@ -95,7 +95,7 @@ class Tries:
     def __init__(self) -> None:
         self._reasons: defaultdict[str, list[str]] = defaultdict(list)
 
-    def settled(self, outcome: Outcome) -> Outcome | None:
+    def settle(self, outcome: Outcome) -> Outcome | None:
         """The outcome with its tries; None if the task is to be tried again."""
         reasons = self._reasons[outcome.name]
         tries = len(reasons) + 1
@@ -166,7 +166,7 @@ class _Pool:
 
     def _settle(self, task: Task, found: Outcome) -> None:
         with self._lock:
-            outcome = self._tries.settled(found)
+            outcome = self._tries.settle(found)
             if outcome is None:
                 self._left[task.place].append(task)
         if outcome is not None:

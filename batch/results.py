@@ -55,7 +55,7 @@ def write(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]
             rows.writerow([name, one.status, *numbers, task.label, one.reason])
 
 
-def keep(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]) -> None:
+def try_to_write(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]) -> None:
     """``write`` after work that was ended, perhaps as nothing could be written any more."""
     if outcomes:
         with suppress(OSError):

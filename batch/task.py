@@ -83,7 +83,9 @@ class Renderer:
         shown = self._scene(task)
         frame, samples, resolution = self._own
         shown.frame_set(frame if task.frame is None else task.frame)
-        assignment.assign(shown, sorted(task.given), task.backend, task.estimator, task.bound, into=self._materials)
+        assignment.assign(
+            shown, sorted(task.assignments), task.backend, task.estimator, task.bound, into=self._materials
+        )
         began = time.perf_counter()
         size = task.resolution or resolution
         if task.error is None:
@@ -151,7 +153,7 @@ def _opened(task: Task) -> Scene:
         what = "has changed since the job was read; give the same command again" if found else "cannot be read here"
         message = f"{task.scene}: {what}"
         raise scene.SceneError(message)
-    return scene.opened(Path(task.scene))
+    return scene.open_file(Path(task.scene))
 
 
 def _files_outside(blend: Path) -> dict[str, str]:

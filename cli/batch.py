@@ -97,7 +97,7 @@ def batch(
     else:
         from ..batch import cluster as dask
 
-        with dask.connected(cluster) as client:
+        with dask.connect_client(cluster) as client:
             if memory is None:  # that is for each machine to say
                 limit = replace(limit, memory=0)
             table = _results_file(output, part)
@@ -153,10 +153,10 @@ def _render(tasks: Sequence[Task], table: Path, outcomes: Generator[Outcome], la
                 found[outcome.name] = outcome
         results.write(table, named, found)
     except OSError as error:  # the input was fine
-        results.keep(table, named, found)
+        results.try_to_write(table, named, found)
         raise RuntimeError(str(error)) from error
     except BaseException:
-        results.keep(table, named, found)
+        results.try_to_write(table, named, found)
         raise
     failed = [one for one in found.values() if one.status == "failed"]
     kept = sum(one.status == "there" for one in found.values())

@@ -59,7 +59,7 @@ def explain(
     from ..lab.bench import universal
 
     with headless.quiet():
-        stage = scene.opened(in_scene) if in_scene else scene.preview()
+        stage = scene.open_file(in_scene) if in_scene else scene.preview()
         stage.cycles.samples = samples or (stage.cycles.samples if in_scene else PREVIEW_SAMPLES)
         account = explaining.explain(preset, stage, str(backend), str(estimator))
         problems = [problem.text for problem in advice.problems_with(stage, preset, str(backend), account.estimator)]

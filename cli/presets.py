@@ -27,7 +27,7 @@ def list_presets(
 ) -> None:
     """List the presets, including yours in the folder that VGROOVE_PRESETS names."""
     found = presets.search(query)
-    for error in presets.refused():
+    for error in presets.load_errors():
         warn(f"left out: {error}")
     if as_json:
         print(json.dumps([_as_json(preset) for preset in found], indent=1))

@@ -137,14 +137,14 @@ def render(
     span = _frames(frames, output)
     size = parse_resolution(resolution) if resolution is not None else None
     _check_outputs(output, strip, movie, span, at_time, shutter)
-    assigned = _settled(_assigned(what, assign or []), settings, at_time)
+    assigned = _with_settings(_presets_to_show(what, assign or []), settings, at_time)
     start_blender()
     from .. import headless
     from ..headless import assignment, scene
 
     play = _play(driving, span, tolerance) if span else None
     with headless.quiet():
-        stage = scene.opened(Path(what)) if is_scene else scene.preview()
+        stage = scene.open_file(Path(what)) if is_scene else scene.preview()
         stage.cycles.samples = samples or (stage.cycles.samples if is_scene else PREVIEW_SAMPLES)
         advice = assignment.assign(stage, assigned, str(backend), str(estimator), bound, play, where="--assign ")
     for text in advice:
@@ -215,7 +215,7 @@ def _check_outputs(
         raise InputError(message)
 
 
-def _assigned(what: str, assign: list[str]) -> Assigned:
+def _presets_to_show(what: str, assign: list[str]) -> Assigned:
     """The presets to show: those of ``--assign`` in a scene, or the one on the preview scene's ball."""
     if not what.endswith(".blend"):
         if assign:
@@ -248,7 +248,7 @@ def assignments(items: list[str]) -> Assigned:
     return list(found.items())
 
 
-def _settled(assigned: Assigned, settings: list[str] | None, at_time: float | None) -> Assigned:
+def _with_settings(assigned: Assigned, settings: list[str] | None, at_time: float | None) -> Assigned:
     """Each preset with the settings, and at the time if it changes; InputError for a time if none does."""
     if at_time is not None and not any(preset.time for _, preset in assigned):
         names = ", ".join(preset.id for _, preset in assigned) or "no preset"

@@ -25,7 +25,7 @@ def ensure() -> bpy.types.Image:
     return _make()
 
 
-def lost() -> list[bpy.types.ShaderNodeTexImage]:
+def nodes_without_table() -> list[bpy.types.ShaderNodeTexImage]:
     """Nodes whose image an artist deleted: what they feed renders pink."""
     groups = [group for group in bpy.data.node_groups if REVISION_KEY in group and group.library is None]
     textures = [node for group in groups for node in group.nodes if node.bl_idname == "ShaderNodeTexImage"]
@@ -34,7 +34,7 @@ def lost() -> list[bpy.types.ShaderNodeTexImage]:
 
 def restore() -> None:
     """Give them the table again."""
-    for node in lost():
+    for node in nodes_without_table():
         node.image = ensure()
 
 

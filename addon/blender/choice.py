@@ -49,7 +49,7 @@ def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") ->
     """The strongest lights that the material evaluates itself, as ``binds`` says for their size."""
     if estimator in NATIVE or MODELS[model].transparent:
         return ()
-    return bindable(lamp_binding.followed(scene), estimator, model)
+    return bindable(lamp_binding.rig_lights(scene), estimator, model)
 
 
 def bindable(lights: Sequence[Light], estimator: str, model: str) -> tuple[Light, ...]:

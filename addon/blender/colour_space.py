@@ -182,10 +182,10 @@ def courses(keys: Mapping[str, Keyframes], still: Mapping[str, Any], M: Floats) 
     """What plays in the space of ``M``, in Rec.709; ``still``: the numbers, in the space too, of what does not move."""
     if is_same(M, REC709):
         return dict(keys)
-    return {name: moved(name, keys, still, partial(from_space, M=M)) for name in keys}
+    return {name: convert_keys(name, keys, still, partial(from_space, M=M)) for name in keys}
 
 
-def moved(
+def convert_keys(
     name: str, keys: Mapping[str, Keyframes], still: Mapping[str, Any], convert: Callable[..., dict[str, Any]]
 ) -> Keyframes:
     """The keys of one parameter, converted with those of its partner at the same times."""

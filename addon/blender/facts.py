@@ -117,7 +117,7 @@ class SceneFacts:
         return {light: why for light in self._bindable if (why := lamps.refusal(light)) is not None}
 
     @cached_property
-    def followed(self) -> list[lamps.Light]:
+    def followable(self) -> list[lamps.Light]:
         """The lights that the formula can follow, strongest first."""
         return [light for light in self._bindable if light not in self.refusals]
 
@@ -126,14 +126,14 @@ class SceneFacts:
         return lamps.all_lights(self.scene)
 
     @cached_property
-    def _placed(self) -> list[lamps.Light]:
-        return lamps.placed(self.followed)
+    def _in_rig(self) -> list[lamps.Light]:
+        return lamps.numbered(self.followable)
 
     def to_bind(self, estimator: str, model: str) -> tuple[lamps.Light, ...]:
         """``lamps_to_bind`` of the scene."""
         if estimator in NATIVE or MODELS[model].transparent:
             return ()
-        return bindable(self._placed, estimator, model)
+        return bindable(self._in_rig, estimator, model)
 
     def unbound(self, bound: Iterable[lamps.Light]) -> list[Light]:
         """The lights that are not among those."""
@@ -141,14 +141,14 @@ class SceneFacts:
         brought = {light.item for light in bound if light.source or light.in_set}
         return [one for one in self.lights if one.item not in (brought if one.via else own)]
 
-    def held(self, made: Material) -> set[str]:
+    def bound_slots(self, made: Material) -> set[str]:
         """The lights that one of our materials reads."""
-        if made not in self._held:
-            self._held[made] = bound_slots(made)
-        return self._held[made]
+        if made not in self._bound_slots:
+            self._bound_slots[made] = bound_slots(made)
+        return self._bound_slots[made]
 
     @cached_property
-    def _held(self) -> dict[Material, set[str]]:
+    def _bound_slots(self) -> dict[Material, set[str]]:
         return {}
 
     @cached_property
@@ -266,7 +266,7 @@ def _instances(item: Object, scene: Scene) -> Iterator[Object]:
     if trees and all(one.show_viewport for one in trees) and (evaluated := _evaluated(item, scene)) is not None:
         yield from _referred_to(evaluated)
     else:  # Blender evaluates what the viewport shows: of the rest, what the nodes name
-        yield from (found for one in trees for found in _named(one.node_group, _given(one)))
+        yield from (found for one in trees for found in _named(one.node_group, _modifier_inputs(one)))
 
 
 def _inside(collection: Collection) -> Iterator[Object]:
@@ -295,7 +295,7 @@ def _referred_to(evaluated: Object) -> Iterator[Object]:
                 waiting.append(one)
 
 
-def _given(modifier: Any) -> list[object]:
+def _modifier_inputs(modifier: Any) -> list[object]:
     """What a Geometry Nodes modifier gives to its group. 4.5 keeps it in custom properties."""
     if not versions.since(5, 0):
         return list(modifier.values())

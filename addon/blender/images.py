@@ -74,7 +74,7 @@ def save(path: Path, picture: NDArray[np.floating], shown: Scene, attributes: Ma
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Any]:
+def open_image(path: Path) -> Iterator[Any]:
     """An EXR or a PNG as OpenImageIO reads it; None if it is none, cannot be read, or is larger than any of ours.
 
     OpenImageIO itself would try each of its formats in turn, which takes minutes for a large file that is of none.
@@ -99,7 +99,7 @@ def opened(path: Path) -> Iterator[Any]:
 
 def attribute(path: Path, name: str) -> Any:
     """One of a file's attributes, None where it has none of that name or cannot be read."""
-    with opened(path) as file:
+    with open_image(path) as file:
         try:
             return file and file.spec().getattribute(name)
         except UnicodeDecodeError:  # nothing of ours
@@ -108,7 +108,7 @@ def attribute(path: Path, name: str) -> Any:
 
 def digest(path: Path) -> str:
     """The SHA-256 of the values that a file's picture has as float32; empty where it cannot be read."""
-    with opened(path) as file:
+    with open_image(path) as file:
         values = file and file.read_image("float")
     return "" if values is None else digest_of_values(values)
 
@@ -133,7 +133,7 @@ def tile(path: Path, width: int, paper: float = 1.0) -> NDArray[np.float32]:
 
     A picture that would be more than ``TALLEST`` times as high as wide stands in the middle, with ``paper`` beside it.
     """
-    with opened(path) as file:
+    with open_image(path) as file:
         if file is None:
             message = f"{path}: is no picture"
             raise RuntimeError(message)

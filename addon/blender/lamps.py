@@ -237,15 +237,15 @@ def _has_own_nodes(tree: NodeTree) -> bool:
 # The rig
 
 
-def followed(scene: Scene) -> list[Light]:
+def rig_lights(scene: Scene) -> list[Light]:
     """The lights that a rig of ``scene`` has, each with its slot, strongest first; writes nothing.
 
     They are the strongest of all and the strongest of those without a size, ``LIMIT`` of each.
     """
-    return placed([light for light in all_lights(scene) if refusal(light) is None])
+    return numbered([light for light in all_lights(scene) if refusal(light) is None])
 
 
-def placed(fit: list[Light]) -> list[Light]:
+def numbered(fit: list[Light]) -> list[Light]:
     """Of lights that the formula can follow, strongest first: those that get a place in the rig, with their numbers."""
     wanted = {*fit[:LIMIT], *[light for light in fit if size(light.item) == 0.0][:LIMIT]}
     counts: Counter[Slot] = Counter()
@@ -258,7 +258,7 @@ def placed(fit: list[Light]) -> list[Light]:
 
 def follow(scene: Scene) -> list[Light]:
     """Have the scene's rig tell of its lights as they are now; they, strongest first. Writes only what is not so."""
-    lights = followed(scene)
+    lights = rig_lights(scene)
     plan = json.dumps([_plan(light) for light in lights])
     rig = scene.get(RIG)
     if rig is None or rig.get(PLAN) != plan:

@@ -22,19 +22,19 @@ if TYPE_CHECKING:
     from mathutils import Vector
     from numpy.typing import NDArray
 
-LOOKED_AT = 4096  # rays, of which 8 million pairs: M is known to a tenth up to 80 000
+SAMPLED_RAYS = 4096  # rays, of which 8 million pairs: M is known to a tenth up to 80 000
 MOST = 2**17  # samples to which that is enough to tell whether 8 times as many rays differ
 APERTURE = 2.0**-14  # radius over focal distance: blurs by 1/16 of a pixel what is 1024 pixels out of focus
 
 
 def different_rays(scene: Scene) -> float:
-    """How many rays in the middle of the picture differ: M, at most ``LOOKED_AT`` squared over 2.
+    """How many rays in the middle of the picture differ: M, at most ``SAMPLED_RAYS`` squared over 2.
 
     Of panoramic cameras and those that a shader drives nothing is known, and all count as different.
     """
     if scene.camera is None or scene.camera.type != "CAMERA" or scene.camera.data.type not in {"ORTHO", "PERSP"}:
-        return float(LOOKED_AT**2 / 2)
-    x, y, u, v = np.random.default_rng(1).random((4, LOOKED_AT), dtype=np.float32)
+        return float(SAMPLED_RAYS**2 / 2)
+    x, y, u, v = np.random.default_rng(1).random((4, SAMPLED_RAYS), dtype=np.float32)
     rows = np.concatenate(_rays(scene, scene.camera, x, y, u, v), axis=-1)
     _, counts = np.unique(rows.view(np.uint32).astype(np.uint64) @ _MIX, return_counts=True)
     return different(counts)

@@ -94,7 +94,7 @@ def is_of_other_cycles(made: Material) -> bool:
     By Blender 5.3 Cycles' own Oren-Nayar changed, and what OSL's closures of glass make of the IOR.
     """
     kept, node = origin.read(made), roles.node(made, roles.MODEL)
-    if kept is None or node is None or nodegroups.cycles_of(node.node_tree) == cycles.meant():
+    if kept is None or node is None or nodegroups.cycles_of(node.node_tree) == cycles.version():
         return False
     preset = kept.preset
     return any(of.spec.of_cycles(kept.estimator, kept.backend) for of in (preset, *preset.parts().values()))

@@ -153,7 +153,7 @@ def cycles_problems(scene: Scene) -> Iterator[Problem]:
     """All materials of the file that were built for a Cycles that renders them otherwise, as one problem."""
     found = [made for made in bpy.data.materials if is_of_other_cycles(made)]
     if found:
-        before = cycles.meant() == cycles.SINCE_5_3
+        before = cycles.version() == cycles.SINCE_5_3
         where = "5.2 or earlier" if before else "5.3 or later"
         names = ", ".join(one.name for one in found)
         text = f"Made in Blender {where}, these render differently here until you update them: {names}"
@@ -164,7 +164,7 @@ def cycles_problems(scene: Scene) -> Iterator[Problem]:
 
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
     """Materials that lost their node group or table, and those made before a light was added or lost its size."""
-    if fit_table.lost():
+    if fit_table.nodes_without_table():
         text = f"The image {fit_table.NAME} was deleted: materials that need it render pink"
         yield Problem("table", text, "Update", fit_table.restore)
     for made, origin in known.origins.items():
@@ -172,7 +172,7 @@ def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
         if origin is None:
             yield Problem(f"lost {made.name}", f"{made.name} has lost its node group", "Update", update)
             continue
-        held = known.held(made) if origin.estimator not in NATIVE else set()
+        held = known.bound_slots(made) if origin.estimator not in NATIVE else set()
         missing = [one for one in known.to_bind(origin.estimator, origin.preset.model) if str(one.slot) not in held]
         if missing:
             names = f"Lights {_names(missing)} are" if len(missing) > 1 else f"Light {_names(missing)} is"
@@ -288,7 +288,7 @@ def _ray_problems(known: SceneFacts) -> Iterator[Problem]:
 
 
 def _direct_problems(known: SceneFacts) -> Iterator[Problem]:
-    if not known.followed:
+    if not known.followable:
         yield Problem("lamps", "Direct shows bound lights alone, and this scene has none")
     else:
         yield Problem("alone", "Direct shows bound lights alone: no world, no reflections of other objects")
@@ -297,16 +297,16 @@ def _direct_problems(known: SceneFacts) -> Iterator[Problem]:
 def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
     """Lights at which the formula is not evaluated."""
     name, rest = name_of(estimator), "left out" if estimator == "direct" else "rendered as Standard"
-    if not known.followed and estimator == "corrected":
+    if not known.followable and estimator == "corrected":
         yield Problem("lamps", f"{name} has no light to evaluate here; it renders like Standard")
     for refused in (why for item, why in known.refusals.items() if any(one.item == item for one in known.lights)):
         yield Problem("refused", refused[0].upper() + refused[1:])
-    brought = [one for one in known.unbound([*known.followed, *known.refusals]) if one.via]
+    brought = [one for one in known.unbound([*known.followable, *known.refusals]) if one.via]
     if brought:
         text = f"{name} does not evaluate lights from nested instances, particles or Geometry Nodes"
         yield Problem("brought", f"{text}; {rest}: {_lights(brought)}")
     items = {light.item for light in bound}
-    if left := [light for light in known.followed if light.item not in items]:
+    if left := [light for light in known.followable if light.item not in items]:
         yield Problem("limit", f"{name} evaluates the {len(bound)} strongest lights; {rest}: {_names(left)}")
     if any(lamps.size(item) > 0 for item in items):
         yield from _ray_problems(known)

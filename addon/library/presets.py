@@ -15,8 +15,19 @@ from .parsing import parse
 from .preset import Preset
 
 __all__ = [
-    "Preset", "PresetError", "all_presets", "find", "load", "load_folder", "parse", "refused", "reread", "search",
-    "set_user_folder", "shipped", "user_folder",
+    "Preset",
+    "PresetError",
+    "all_presets",
+    "find",
+    "load",
+    "load_errors",
+    "load_folder",
+    "parse",
+    "reread",
+    "search",
+    "set_user_folder",
+    "shipped",
+    "user_folder",
 ]  # fmt: skip
 
 FOLDER = Path(__file__).parents[2] / "presets"
@@ -111,7 +122,7 @@ def all_presets() -> dict[str, Preset]:
     return shipped() | _of_user(user_folder())[0]
 
 
-def refused() -> list[PresetError]:
+def load_errors() -> list[PresetError]:
     """Of each of the user's files that does not hold, why; and of a folder that is not there."""
     folder = user_folder()
     if os.environ.get(USER_FOLDER) and folder is not None and not folder.is_dir():

@@ -46,7 +46,7 @@ class Parameter:
     def is_rgb(self) -> bool:
         return isinstance(self.default, tuple)
 
-    def held(self, value: Number) -> Number:
+    def socket_value(self, value: Number) -> Number:
         """``value`` as a socket can hold it: a smooth interface is the least roughness."""
         return max(value, self.low) if self.zero_is_smooth and isinstance(value, float) else value
 

@@ -66,8 +66,8 @@ TABLES = load(Path(__file__).with_suffix(".toml"))
 
 
 def table(kind: str) -> Table:
-    """The numbers of one kind for the Cycles that is meant."""
-    return TABLES[cycles.meant()][kind]
+    """The numbers of one kind for the current version of Cycles."""
+    return TABLES[cycles.version()][kind]
 
 
 def fujii_albedo(cos: ArrayLike, roughness: ArrayLike) -> Floats:

@@ -305,7 +305,9 @@ class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
         return _poll_folder(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        return _save(self, context, lambda folder: preset_files.take(Path(bpy.path.abspath(self.filepath)), folder))
+        return _save(
+            self, context, lambda folder: preset_files.import_file(Path(bpy.path.abspath(self.filepath)), folder)
+        )
 
 
 class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
@@ -383,10 +385,10 @@ def citation(preset: presets.Preset) -> str:
 
 def chosen_estimator(shown: bpy.types.Scene | SceneFacts) -> str:
     """The panel's estimator, with ``auto`` decided."""
-    return chosen(shown).estimator
+    return pick(shown).estimator
 
 
-def chosen(shown: bpy.types.Scene | SceneFacts) -> automatic.Pick:
+def pick(shown: bpy.types.Scene | SceneFacts) -> automatic.Pick:
     """The panel's estimator; and why another one is used, where the panel says Automatic or the model lacks it."""
     known = facts.of(shown)
     settings = known.scene.vgroove

@@ -32,7 +32,7 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
         draw_choice(layout, settings, preset)
         column = layout.column()
         column.row().prop(settings, "backend", expand=True)
-        picked = operators.chosen(watch.current(context.scene))
+        picked = operators.pick(watch.current(context.scene))
         if _shows_estimators(settings):
             column.prop(settings, "estimator")
             split = column.split(factor=0.4)  # stays when nothing is picked, or buttons would jump
@@ -49,7 +49,7 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
             lines(layout, picked.why[0].upper() + picked.why[1:], context.region.width)
         if text := versions.untested():
             lines(layout, text, context.region.width, icon="INFO")
-        for error in presets.refused()[:1]:
+        for error in presets.load_errors()[:1]:
             lines(layout, f"Preset skipped: {error}", context.region.width, icon="ERROR")
 
 
@@ -145,7 +145,7 @@ def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, p
     row.prop(settings, "shown", text="")
     star = "SOLO_ON" if preset.id in memory.favourites() else "SOLO_OFF"
     row.operator("vgroove.favourite", text="", icon=star)
-    if not properties.found(settings):
+    if not properties.matching(settings):
         column.label(text="No match. Choose All or clear the search", icon="INFO")
 
 

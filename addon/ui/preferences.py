@@ -56,7 +56,7 @@ class VGroovePreferences(bpy.types.AddonPreferences):
         column = self.layout.column()
         column.prop(self, "show_advice")
         column.prop(self, "show_estimators")
-        there = assets.registered() is not None
+        there = assets.find_library() is not None
         text = "Remove from the Asset Browser" if there else "Show in the Asset Browser"
         column.operator("vgroove.asset_library", text=text, icon="ASSET_MANAGER").shown = not there
         if assets.folder() is None:

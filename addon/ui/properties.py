@@ -85,7 +85,7 @@ def _counts(identities: tuple[str, ...]) -> Counter[str]:
     return Counter(identity.split("/")[0] for identity in identities)
 
 
-def found(settings: VGrooveSettings) -> list[presets.Preset]:
+def matching(settings: VGrooveSettings) -> list[presets.Preset]:
     """The presets of the chosen family whose id, name or tags contain every word of the search."""
     family = settings.family  # read once: Blender rebuilds the list of families each time
     hits = presets.search(settings.search)
@@ -105,7 +105,7 @@ def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
 
 def shown_items(settings: VGrooveSettings, _context: object) -> list[Item]:
     """The presets found, each with its picture, and always the chosen one, whatever the search."""
-    rows, chosen = found(settings), chosen_preset(settings)
+    rows, chosen = matching(settings), chosen_preset(settings)
     rows = rows if chosen in rows else [chosen, *rows]
     _shown[:] = [(p.id, p.name, _tip(p), thumbnails.icon(p), number(p.id)) for p in rows]
     return _shown

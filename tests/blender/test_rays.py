@@ -40,7 +40,7 @@ def test_few_rays_are_foreseen_as_cycles_renders_them(instrument, shot):
 @pytest.mark.parametrize("shot", MANY, ids=str)
 def test_near_the_origin_in_perspective_or_by_an_aperture_all_rays_differ(instrument, shot):
     """But for a few of 4096, which birthdays among 2^22 places explain: 2 pairs, and 4 sqrt(2) more."""
-    pairs = rays.LOOKED_AT * (rays.LOOKED_AT - 1) / 2
+    pairs = rays.SAMPLED_RAYS * (rays.SAMPLED_RAYS - 1) / 2
     for count in (pictures.numbers(shot), foreseen(shot)):
         assert count >= pairs / 8
 
@@ -48,8 +48,8 @@ def test_near_the_origin_in_perspective_or_by_an_aperture_all_rays_differ(instru
 @pytest.mark.parametrize("places", [1, 30, 3000, 50000])
 def test_the_rays_that_differ_are_told_from_the_pairs_that_do_not(places):
     """Also of more than are drawn. Pairs are known to the root of their number."""
-    drawn = np.random.default_rng(0).integers(0, places, rays.LOOKED_AT)
-    pairs = rays.LOOKED_AT**2 / 2 / places
+    drawn = np.random.default_rng(0).integers(0, places, rays.SAMPLED_RAYS)
+    pairs = rays.SAMPLED_RAYS**2 / 2 / places
     found = rays.different(np.unique(drawn, return_counts=True)[1])
     assert found == pytest.approx(places, rel=4.0 / pairs**0.5)
 

@@ -36,14 +36,14 @@ def picture(made, geometry):
 
 
 def other():
-    return next(one for one in cycles.VERSIONS if one != cycles.meant())
+    return next(one for one in cycles.VERSIONS if one != cycles.version())
 
 
 def test_a_file_of_the_running_cycles_says_nothing(blender, capfd):
     """Nor does one that holds no materials of ours."""
     vgroove.register()
     try:
-        open_file(blender, cycles.meant())
+        open_file(blender, cycles.version())
         assert list(advice.cycles_problems(blender.context.scene)) == []
         assert "V-Groove" not in capfd.readouterr().out
     finally:

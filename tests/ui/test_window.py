@@ -412,7 +412,7 @@ def test_a_model_that_lacks_a_quality_gets_standard_and_the_panel_says_so(extens
 
     stage = extension.context.scene
     stage.vgroove.preset, stage.vgroove.quality = preset, quality
-    picked = operators.chosen(stage)
+    picked = operators.pick(stage)
     assert picked.estimator == expected
     said = "has no Exact Lights; Standard is used" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
     assert said == (quality == "exact")
@@ -432,7 +432,7 @@ def test_the_search_offers_what_it_finds(extension):
     assert (settings.family, settings.preset, settings.shown) == ("lecture", "lecture/copper", "lecture/copper")
     settings.family, settings.search = properties.ALL, "gold SATIN"
     gold, purple = "finished_metals/gold_satin", "finished_metals/purple_gold_aual2_satin"
-    assert [preset.id for preset in properties.found(settings)] == [gold, purple]
+    assert [preset.id for preset in properties.matching(settings)] == [gold, purple]
     assert [item[0] for item in properties.shown_items(settings, None)] == ["lecture/copper", gold, purple]
     settings.shown = gold
     assert settings.preset == gold
