@@ -32,9 +32,9 @@ def rows() -> list[list[Any]]:
 
     with tempfile.TemporaryDirectory(prefix="vgroove-") as name:
         folder = Path(name)
-        before = alone(ALONE // 2, folder)
-        batch = together(STILLS, folder)
-        single = (before + alone(ALONE // 2, folder)) / 2.0
+        before = single_render_seconds(ALONE // 2, folder)
+        batch = batch_seconds(STILLS, folder)
+        single = (before + single_render_seconds(ALONE // 2, folder)) / 2.0
         outside, growth = {}, 0.0
         for side, samples, stills in ((64, 16, STILLS), (256, 64, LARGER_STILLS)):
             (folder / str(side)).mkdir()
@@ -59,7 +59,7 @@ def job(stills: int, side: int, samples: int) -> str:
     )
 
 
-def alone(count: int, folder: Path) -> float:
+def single_render_seconds(count: int, folder: Path) -> float:
     """Seconds of a still that a process of its own renders."""
     start = time.perf_counter()
     for seed in range(count):
@@ -69,7 +69,7 @@ def alone(count: int, folder: Path) -> float:
     return (time.perf_counter() - start) / count
 
 
-def together(stills: int, folder: Path) -> float:
+def batch_seconds(stills: int, folder: Path) -> float:
     """Seconds of a still that ``vgroove batch`` renders, with everything from its start to its end."""
     (folder / "job.toml").write_text(job(stills, 64, 16), encoding="utf-8")
     start = time.perf_counter()
@@ -91,13 +91,13 @@ def one_process(tasks: list[Task], folder: Path) -> tuple[float, float]:
 
     within, real = [0.0], _cycles.render
 
-    def timed(*arguments: Any) -> None:
+    def time_call(*arguments: Any) -> None:
         start = time.perf_counter()
         real(*arguments)
         within[0] += time.perf_counter() - start
 
     renderer, held, began = Renderer(folder, {}, pool.cores()), [], 0.0
-    _cycles.render = timed
+    _cycles.render = time_call
     try:
         for index, task in enumerate(tasks):
             if index == 1:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..addon.blender.images import SPARE, attribute, digest, digest_of_values, load, save
+from ..addon.blender.images import MIN_FREE_BYTES, attribute, digest, digest_of_values, load, save
 from ..addon.library.errors import InputError
 from ..headless import assignment, memory, scene
 from ..headless.sequence import SEED_STEP, is_done
@@ -247,6 +247,6 @@ def _leave_out(shown: Scene) -> None:
 
 def _check_disk(folder: Path) -> None:
     """OSError where there is no room for a picture, which Blender's own errors do not always say."""
-    if shutil.disk_usage(folder).free < SPARE:
+    if shutil.disk_usage(folder).free < MIN_FREE_BYTES:
         message = f"{folder}: the disk is full; make room and give the same command again"
         raise OSError(message)

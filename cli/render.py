@@ -59,17 +59,17 @@ AssignOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="OBJECT[:SLOT]=PRESET",
-        help="Give an object of the scene a preset, or one of its material slots, by name or number (repeatable)",
+        help="Assign a preset to an object, or to one of its material slots by name or number (repeatable)",
     ),
 ]
 EstimatorOption = Annotated[
-    Estimator, typer.Option(help="auto: closure or fit, whichever comes closer in this scene; see explain")
+    Estimator, typer.Option(help="auto: closure or fit, the smaller expected error in this scene; see explain")
 ]
 FramesOption = Annotated[
     str | None,
     typer.Option(
         metavar="A-B",
-        help="Render a sequence; presets that change go from start to end. Complete frames from before are kept",
+        help="Render a sequence; presets that change go from start to end. Existing complete frames are kept",
     ),
 ]
 DrivingOption = Annotated[
@@ -80,7 +80,7 @@ ToleranceOption = Annotated[
     typer.Option(
         parser=real(),
         metavar="SHARE",
-        help="with --frames: how far keys may be from a parameter's law, as a share of its range",
+        help="with --frames: largest error of the keys, as a share of the parameter's range",
     ),
 ]
 ShutterOption = Annotated[

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from bpy.types import Image, Scene
     from numpy.typing import NDArray
 
-SPARE = 2**20  # bytes beside a picture below which a disk is full
+MIN_FREE_BYTES = 2**20  # a disk with less left beside a picture counts as full
 MAGIC = b"\x76\x2f\x31\x01", b"\x89PNG\r\n\x1a\n"  # first bytes of an EXR and of a PNG
-TALLEST = 4  # of a tile, over its width
+MAX_TILE_ASPECT = 4  # height of a tile over its width
 
 
 def pixels(image: Image) -> NDArray[np.float32]:
@@ -57,7 +57,7 @@ def write(
     values = np.ascontiguousarray(picture, np.float32)
     if file is None or not (file.open(str(path), spec) and file.write_image(values) and file.close()):
         why = f"cannot be written: {file.geterror() if file else oiio.geterror()}"
-        if path.parent.is_dir() and shutil.disk_usage(path.parent).free < values.nbytes + SPARE:
+        if path.parent.is_dir() and shutil.disk_usage(path.parent).free < values.nbytes + MIN_FREE_BYTES:
             why = "the disk is full; make room, and give the same command again"
         message = f"{path}: {why}"
         raise OSError(message)
@@ -131,7 +131,7 @@ def load(path: Path) -> NDArray[np.float32]:
 def tile(path: Path, width: int, paper: float = 1.0) -> NDArray[np.float32]:
     """A file's picture as it looks, (H, width, 3) in sRGB; what is linear is taken through sRGB's own curve.
 
-    A picture that would be more than ``TALLEST`` times as high as wide stands in the middle, with ``paper`` beside it.
+    A picture more than ``MAX_TILE_ASPECT`` times as high as wide is centred, with ``paper`` beside it.
     """
     with open_image(path) as file:
         if file is None:
@@ -141,7 +141,7 @@ def tile(path: Path, width: int, paper: float = 1.0) -> NDArray[np.float32]:
         image = bpy.data.images.load(str(found))
         try:
             across, height = image.size
-            factor = min(width / across, TALLEST * width / height)
+            factor = min(width / across, MAX_TILE_ASPECT * width / height)
             image.scale(max(1, round(across * factor)), max(1, round(height * factor)))
             scaled = pixels(image)
         finally:

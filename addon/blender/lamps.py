@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from bpy.types import Collection, LayerCollection, NodeTree, Object, Scene
 
 LIMIT = 8
-SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly a random point on the lamp sends anything
+SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly any random point on the lamp sends light
 # 5.2 takes what a driver writes near 0 for 0, which would put a low sun on the horizon. Readers normalise an axis, and
 # a power of two rounds nothing.
 AXIS_SCALE = 65536
@@ -55,17 +55,17 @@ class Light:
 
     @property
     def slot(self) -> Slot:
-        """Where the rig has it, by what the light is now."""
+        """Its entry in the rig, by the light's present kind and size."""
         return Slot(kind(self.item), size(self.item) > 0.0, self.item.data.use_shadow, self.number)
 
     @property
     def name(self) -> str:
-        """As messages call it."""
+        """Its name in messages."""
         return f"{self.item.name} (instance {self.source.name})" if self.source else self.item.name
 
     @property
     def offset(self) -> Vector:
-        """What an instance takes from the places of what it brings, metres."""
+        """The instance offset (3,), metres, which is subtracted from the places of what it brings."""
         return self.source.instance_collection.instance_offset if self.source else Vector()
 
     @property
@@ -77,7 +77,7 @@ class Light:
 
 
 def refusal(light: Light | Object) -> str | None:
-    """Why the formula cannot follow this light, and how to mend it; None if it can."""
+    """Why the formula cannot be evaluated at this light, and how to fix it; None if it can."""
     one = light if isinstance(light, Light) else Light(light, bpy.context.scene)
     kind = "spot" if one.item.data.type == "SPOT" else "lamp"
     return next((f'{kind} "{one.name}" {why}' for why in _refusals(one)), None)
@@ -197,7 +197,7 @@ _SHADED = {"MESH", "CURVE", "SURFACE", "META", "FONT", "POINTCLOUD", "CURVES"}
 
 
 def _irradiance(light: Light, place: Vector) -> float:
-    """About what reaches ``place`` across the beam: W/m^2 summed over R, G and B."""
+    """Approximate irradiance at ``place`` (metres) on a surface that faces the light, W/m^2, summed over R, G and B."""
     lamp, data = light.item, light.item.data
     color = [c * (t if data.use_temperature else 1.0) for c, t in zip(data.color, data.temperature_color, strict=True)]
     power = data.energy * 2.0**data.exposure * sum(color) * (1.0 if data.normalize else _surface(light))
@@ -208,7 +208,7 @@ def _irradiance(light: Light, place: Vector) -> float:
 
 
 def _surface(light: Light) -> float:
-    """What Cycles divides the strength of a normalized light by; 4 for a point of no size makes it W per steradian."""
+    """The area by which Cycles divides the strength of a normalized light, m^2; 4 for a point of zero size: W/sr."""
     data, extent = light.item.data, size(light.item)
     if data.type == "SUN":
         return pi * sin(extent / 2) ** 2 if extent > 0 else 1.0
@@ -238,7 +238,7 @@ def _has_own_nodes(tree: NodeTree) -> bool:
 
 
 def rig_lights(scene: Scene) -> list[Light]:
-    """The lights that a rig of ``scene`` has, each with its slot, strongest first; writes nothing.
+    """The lights that belong into the rig of ``scene``, each with its slot, strongest first; writes nothing.
 
     They are the strongest of all and the strongest of those without a size, ``LIMIT`` of each.
     """
@@ -246,7 +246,7 @@ def rig_lights(scene: Scene) -> list[Light]:
 
 
 def numbered(fit: list[Light]) -> list[Light]:
-    """Of lights that the formula can follow, strongest first: those that get a place in the rig, with their numbers."""
+    """The lights that get an entry in the rig, with their numbers, of those that the formula allows; in order."""
     wanted = {*fit[:LIMIT], *[light for light in fit if size(light.item) == 0.0][:LIMIT]}
     counts: Counter[Slot] = Counter()
     numbered = []
@@ -257,7 +257,7 @@ def numbered(fit: list[Light]) -> list[Light]:
 
 
 def follow(scene: Scene) -> list[Light]:
-    """Have the scene's rig tell of its lights as they are now; they, strongest first. Writes only what is not so."""
+    """Update the scene's rig to its lights; returns them, strongest first. Writes nothing if the rig is up to date."""
     lights = rig_lights(scene)
     plan = json.dumps([_plan(light) for light in lights])
     rig = scene.get(RIG)
@@ -271,7 +271,7 @@ def follow(scene: Scene) -> list[Light]:
 
 
 def release(scene: Scene) -> None:
-    """Take the rig out of a scene."""
+    """Remove the rig from a scene."""
     if scene.animation_data:
         for curve in [one for one in scene.animation_data.drivers if one.data_path.startswith(f'["{RIG}"]')]:
             scene.animation_data.drivers.remove(curve)

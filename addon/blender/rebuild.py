@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from .course import Play
     from .origin import Record
 
-AS_IT_IS: Any = object()  # a course that stays as it is
+UNCHANGED: Any = object()  # a course that stays as it is
 
 
 def rebuild(
     made: Material, scene: Scene, *, backend: str | None = None, estimator: str | None = None,
-    bound: float | None = None, play: Play | None = AS_IT_IS,
+    bound: float | None = None, play: Play | None = UNCHANGED,
 ) -> list[str]:  # fmt: skip
     """Change ``made`` in place to what is given, and to the lights of ``scene``; what is not given stays as it is.
 
@@ -47,7 +47,7 @@ def rebuild(
     lost = _exchange(made, record.preset, choice)
     changed = material.record_of(record.preset, choice)
     origin.write(made, replace(changed, state=_as_new(record.preset, choice)))
-    if play is AS_IT_IS or play == record.play:
+    if play is UNCHANGED or play == record.play:
         return lost
     if play is None:
         material.stop(made)

@@ -70,7 +70,7 @@ def pick(scene: Scene | SceneFacts | None, preset: Preset) -> Pick:
     unmeasured = _not_measured(known, preset)
     if known is None or unmeasured:
         return Pick(natives[0], f"the estimator closest to the formula; {unmeasured}")
-    chosen, why = _least(known, preset)
+    chosen, why = _smallest_error(known, preset)
     if (kind := kind_of_light(known)) not in MEASURED[preset.model]:
         why = f"estimated from other materials; the model {preset.model} was not measured {UNDER[kind]}"
     if preset.m > 1.0:
@@ -108,7 +108,7 @@ def kind_of_light(known: SceneFacts) -> str:
     return "lights" if lit else "even"
 
 
-def _least(known: SceneFacts, preset: Preset) -> tuple[str, str]:
+def _smallest_error(known: SceneFacts, preset: Preset) -> tuple[str, str]:
     """The estimator with the smaller expected error, and why. A denoiser removes the noise: then bias alone decides."""
     samples, denoised = known.scene.cycles.samples, known.scene.cycles.use_denoising
     parts = list(preset.parts().values()) or [preset]

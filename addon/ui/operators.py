@@ -11,7 +11,7 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..blender import facts, material, slots
-from ..blender.rebuild import AS_IT_IS, rebuild, reset
+from ..blender.rebuild import UNCHANGED, rebuild, reset
 from ..choose import advice, automatic
 from ..library import presets
 from ..library import writing as preset_files
@@ -67,7 +67,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
             for made in dict.fromkeys(same.values()):
                 lost += rebuild(
                     made, context.scene, backend=backend, estimator=estimator, bound=bound,
-                    play=play if preset.time else AS_IT_IS,
+                    play=play if preset.time else UNCHANGED,
                 )  # fmt: skip
             others = [item for item in able if item not in same]
             if others:

@@ -237,5 +237,5 @@ def test_a_folder_of_malformed_presets_is_listed_without_them(folder):
     assert '"mine/good"' in done.stdout
     lines = done.stderr.splitlines()
     assert len(lines) > 200
-    assert all(line.startswith("vgroove: left out: ") for line in lines)
+    assert all(line.startswith("vgroove: preset skipped: ") for line in lines)
     assert {path: path.lstat().st_mtime_ns for path in folder.rglob("*")} == before
