@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from .outcome import Outcome
 
 READY = "ready"
-POLL_INTERVAL = 0.25  # seconds between looks at a process's time and memory
-OLD = 3600.0  # seconds, after which nobody still writes a file that takes well under one
+POLL_INTERVAL = 0.25  # seconds between checks of a process's time and memory
+OLD = 3600.0  # seconds after which a temporary file is abandoned; writing one takes well under a second
 TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.(\d+)-(\w*)\.\w+")  # of a task, by files.replacing
-SCRATCH = re.compile(r"vgroove-(\d+)-\w+")  # a folder of a process that was begun by another
+SCRATCH = re.compile(r"vgroove-(\d+)-\w+")  # the folder of a child process
 
 
 def sweep(folder: Path, pid: int | None = None) -> None:
@@ -93,7 +93,7 @@ class Child:
         return found
 
     def held(self) -> int:
-        """Bytes of memory that the process holds now."""
+        """Bytes of memory that the process uses now."""
         try:
             return int(psutil.Process(self.pid).memory_info().rss)
         except psutil.Error:

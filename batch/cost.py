@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 VGROOVE = Path(sys.executable).parent / "vgroove"
 STILLS, LARGER_STILLS, ALONE = 120, 4, 6
-WARM_UP = 0.2  # of the tasks, after which memory is looked at: by then everything was needed once
+WARM_UP = 0.2  # share of the tasks after which memory is measured: by then everything was loaded once
 
 
 def rows() -> list[list[Any]]:
@@ -60,7 +60,7 @@ def job(stills: int, side: int, samples: int) -> str:
 
 
 def single_render_seconds(count: int, folder: Path) -> float:
-    """Seconds of a still that a process of its own renders."""
+    """Seconds per still, each rendered by its own process."""
     start = time.perf_counter()
     for seed in range(count):
         options = ["--resolution", "64x64", "--samples", "16", "--seed", str(seed), "--estimator", "fit"]
@@ -70,7 +70,7 @@ def single_render_seconds(count: int, folder: Path) -> float:
 
 
 def batch_seconds(stills: int, folder: Path) -> float:
-    """Seconds of a still that ``vgroove batch`` renders, with everything from its start to its end."""
+    """Seconds per still of ``vgroove batch``, start-up and all."""
     (folder / "job.toml").write_text(job(stills, 64, 16), encoding="utf-8")
     start = time.perf_counter()
     subprocess.run([str(VGROOVE), "batch", "job.toml", "-o", "out"], check=True, capture_output=True, cwd=folder)

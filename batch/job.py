@@ -97,7 +97,7 @@ class Task:
 
     @property
     def place(self) -> tuple[Any, ...]:
-        """What a scene has to be opened anew for: tasks with the same one render soonest after each other.
+        """What requires reopening the scene: tasks with the same place render fastest one after another.
 
         Of a scene that it keeps, Cycles may remember that light was scattered or taken below a surface.
         """
@@ -352,7 +352,7 @@ def _is_rgb(name: str) -> bool:
 
 
 def _axis(where: str, name: str, value: Any) -> list[Any]:
-    """Values of a parameter. Of a colour a list of numbers is one value, and several are a list of lists."""
+    """Values of a parameter. For a colour, a list of numbers is one value, a list of lists several."""
     if value == []:
         message = f"{where}: set.{name} is an empty list; give a value or leave it out"
         raise JobError(message)

@@ -19,7 +19,7 @@ from typing import IO, TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-STDERR_TAIL = 300  # characters of what a process printed last on standard error
+STDERR_TAIL = 300  # last characters of a process's standard error, for messages
 
 
 class LostError(RuntimeError):
@@ -91,7 +91,7 @@ class Process:
 
 
 def open_answers() -> IO[bytes]:
-    """Standard output, for ``answer`` alone: what is printed from now on goes nowhere.
+    """Standard output, for ``answer`` alone: all other prints are discarded from now on.
 
     Ctrl-C goes to every process of a terminal; here it is ignored, as the process that asks ends this one.
     """

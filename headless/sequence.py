@@ -70,10 +70,10 @@ def frame_to(shown: Scene, frame: int, path: Path, wanted: str, shutter: float =
 def expose(
     shown: Scene, frame: int, shutter: float, *, samples: int | None = None, seed: int | None = None, **settings: Any
 ) -> NDArray[np.float32]:
-    """The mean picture of a frame that is open for ``shutter`` of it, centred, (H, W, 3) in linear light.
+    """The mean picture (H, W, 3), linear light, of a frame whose shutter is open for the share ``shutter``, centred.
 
-    Cycles' own motion blur reads materials once a frame; here each of ``MOMENTS`` is a render of its own, with its part
-    of the samples and a seed of its own, so that what changes within a frame is seen.
+    Cycles' own motion blur reads materials once a frame; here each of ``MOMENTS`` is a separate render, with its part
+    of the samples and its own seed, so that changes within a frame show.
     """
     samples, seed = samples or shown.cycles.samples, shown.cycles.seed if seed is None else seed
     moments, blurred = [], shown.render.use_motion_blur

@@ -34,7 +34,7 @@ def interface(tree: Tree, kind: str, *, native: bool = False) -> Inputs:
 
 
 def inherited_inputs(tree: Tree, kind: str) -> Inputs:
-    """The same inputs, where another group's have been taken over; of kinds that a coupled sum takes."""
+    """The same inputs in a group that repeats another group's (``Tree.inputs_of``); of a coupled sum's kinds."""
     terms = {one.name: tree.given(one.label) for one in KINDS[kind].parameters}
     return Inputs(terms, tree.given(SLOPE.label), tree.given("Normal"))
 

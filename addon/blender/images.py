@@ -39,7 +39,7 @@ def pixels(image: Image) -> NDArray[np.float32]:
 def write(
     path: Path, picture: NDArray[np.floating], attributes: Mapping[str, Any], space: str = colour_space.OF_REC709
 ) -> None:
-    """(H, W, 3) as float32 EXR, or of another ending (PNG, WebP) as 8 bits of what is from 0 to 1, with attributes.
+    """Write (H, W, 3) with attributes: float32 EXR, or by another ending (PNG, WebP) 8 bits of the range 0 to 1.
 
     space: the colour space that an EXR's values are in, which the file states. OSError where that fails.
     """
@@ -75,7 +75,7 @@ def save(path: Path, picture: NDArray[np.floating], shown: Scene, attributes: Ma
 
 @contextmanager
 def open_image(path: Path) -> Iterator[Any]:
-    """An EXR or a PNG as OpenImageIO reads it; None if it is none, cannot be read, or is larger than any of ours.
+    """An EXR or a PNG as OpenImageIO reads it; None if it is neither, unreadable, or larger than any of ours.
 
     OpenImageIO itself would try each of its formats in turn, which takes minutes for a large file that is of none.
     """

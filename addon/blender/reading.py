@@ -32,7 +32,7 @@ def socket_name(key: str) -> str:
 
 
 def socket_value(key: str, value: Any) -> Any:
-    """A parameter's value as its input has it: m = 0, a smooth interface, is what float32 can hold of it."""
+    """A parameter's value as its input stores it: m = 0, a smooth interface, becomes the lowest m."""
     return parameter(key).socket_value(value)
 
 

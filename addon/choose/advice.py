@@ -17,7 +17,7 @@ from ..models import MODELS
 from ..models.estimators import BORROWING, EVERY_LIGHT, NATIVE, RANDOM
 from ..reference import cycles
 from .automatic import slope_limit
-from .mends import clear_offsets, give_size, rebuild_all, sample_lights, set_size, set_values
+from .fixes import clear_offsets, give_size, rebuild_all, sample_lights, set_size, set_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -40,7 +40,7 @@ LIGHTING_PASSES = ("diffuse", "glossy", "transmission", "subsurface")
 
 @dataclass(frozen=True)
 class Problem:
-    """A scene setting that would spoil the render. ``mend`` fixes it; None where only the user can.
+    """A scene setting that would spoil the render. ``fix`` fixes it; None where only the user can.
 
     costs: the side effect of the fix elsewhere in the scene, for which *Fix All* leaves it out; "" if there is none.
     """
@@ -48,7 +48,7 @@ class Problem:
     key: str
     text: str
     button: str = ""
-    mend: Callable[[], object] | None = None
+    fix: Callable[[], object] | None = None
     costs: str = ""
 
 
@@ -108,9 +108,9 @@ def name_of(estimator: str) -> str:
 def _fresnel_problems(preset: Preset, backend: str, estimator: str) -> Iterator[Problem]:
     off = native_fresnel_error(preset.kind, backend)
     if off and estimator not in {"mirror", "direct"}:
-        mend = "choose Reference" if preset.kind == "conductor" else "choose OSL or Reference"
+        remedy = "choose Reference" if preset.kind == "conductor" else "choose OSL or Reference"
         text = f"Blender {bpy.app.version_string} approximates this Fresnel term"
-        yield Problem("fresnel", f"{text}: up to {100 * off:g} % of the light is wrong; {mend}")
+        yield Problem("fresnel", f"{text}: up to {100 * off:g} % of the light is wrong; {remedy}")
     f0 = preset.reference_fresnel()(1.0)
     weak = preset.kind != "conductor" and (min(f0) < WEAKEST or _is_thinner(preset))
     if estimator == "hybrid" and weak:
@@ -157,9 +157,9 @@ def cycles_problems(scene: Scene) -> Iterator[Problem]:
         where = "5.2 or earlier" if before else "5.3 or later"
         names = ", ".join(one.name for one in found)
         text = f"Made in Blender {where}, these render differently here until you update them: {names}"
-        mendable = [made for made in found if not locked(made)]
-        mend = partial(rebuild_all, mendable, scene) if mendable else None
-        yield Problem("cycles", text, "Update" if mend else "", mend)
+        fixable = [made for made in found if not locked(made)]
+        fix = partial(rebuild_all, fixable, scene) if fixable else None
+        yield Problem("cycles", text, "Update" if fix else "", fix)
 
 
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
@@ -194,8 +194,8 @@ def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
         yield Problem("osl", text, "Switch OSL On", lambda: set_values(cycles, shading_system=True))
     elif backend == "osl" and cycles.device == "GPU" and _compute_device() not in {"NONE", "OPTIX"}:
         text = f"OSL runs on the CPU and on OptiX, not on {_compute_device()}; choose the backend Nodes"
-        mend = partial(set_values, cycles, device="CPU")
-        yield Problem("device", text, "Render on the CPU", mend, "everything renders on the CPU")
+        fix = partial(set_values, cycles, device="CPU")
+        yield Problem("device", text, "Render on the CPU", fix, "everything renders on the CPU")
 
 
 def _compute_device() -> str:
@@ -211,8 +211,8 @@ def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[
     pointlike = [one for one in sought if not one.sized]
     if pointlike:
         text = f"{name} misses lights of zero size{but}: {_lights(pointlike)}"
-        mend = partial(give_size, pointlike)
-        yield Problem("size", text, "Give Lights a Size", mend, "softer shadows everywhere")
+        fix = partial(give_size, pointlike)
+        yield Problem("size", text, "Give Lights a Size", fix, "softer shadows everywhere")
     unsampled = [one for one in sought if not one.sampled]
     if unsampled:
         text = f"{name} misses lights with Multiple Importance off{but}: {_lights(unsampled)}"
@@ -232,9 +232,9 @@ def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[
         text = f"{name} rarely hits small lights and is noisy: {_lights(small)}"
         shrinking = [one.item for one in small if not one.via and one.item.data.type != "AREA"]
         if shrinking and binds(estimator, 0.0, model):
-            mend, costs = partial(set_size, shrinking, 0.0), "sharp shadows everywhere"
+            fix, costs = partial(set_size, shrinking, 0.0), "sharp shadows everywhere"
             more = ". Lights of size 0 are evaluated exactly once you apply"
-            yield Problem("small", text + more, "Set Their Size to 0", mend, costs)
+            yield Problem("small", text + more, "Set Their Size to 0", fix, costs)
         else:
             yield Problem("small", f"{text}; make them larger, or choose Standard")
 
@@ -244,28 +244,28 @@ def _setting_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
     cycles, name = scene.cycles, name_of(estimator)
     if cycles.use_adaptive_sampling:
         text = f"Noise Threshold stops pixels before they hit a light, which darkens {name}"
-        mend = partial(set_values, cycles, use_adaptive_sampling=False)
-        yield Problem("adaptive", text, "Switch Noise Threshold Off", mend, "longer renders")
+        fix = partial(set_values, cycles, use_adaptive_sampling=False)
+        yield Problem("adaptive", text, "Switch Noise Threshold Off", fix, "longer renders")
     if cycles.blur_glossy > 0:
-        mend = partial(set_values, cycles, blur_glossy=0.0)
+        fix = partial(set_values, cycles, blur_glossy=0.0)
         text = f"Filter Glossy is on and blurs {name}"
-        yield Problem("filter", text, "Set Filter Glossy to 0", mend, "more fireflies")
+        yield Problem("filter", text, "Set Filter Glossy to 0", fix, "more fireflies")
     if cycles.sample_clamp_indirect > 0:
-        mend = partial(set_values, cycles, sample_clamp_indirect=0.0)
+        fix = partial(set_values, cycles, sample_clamp_indirect=0.0)
         text = f"Clamp Indirect is on and darkens {name}"
-        yield Problem("clamp", text, "Set Clamp Indirect to 0", mend, "more fireflies")
+        yield Problem("clamp", text, "Set Clamp Indirect to 0", fix, "more fireflies")
 
 
 def _caustics_problems(scene: Scene, model: str) -> Iterator[Problem]:
     cycles = scene.cycles
     if MODELS[model].transparent and not cycles.caustics_refractive:
         text = "Refractive Caustics are off: light through this glass is lost"
-        mend = partial(set_values, cycles, caustics_refractive=True)
-        yield Problem("refractive", text, "Switch Caustics On", mend, "more noise")
+        fix = partial(set_values, cycles, caustics_refractive=True)
+        yield Problem("refractive", text, "Switch Caustics On", fix, "more noise")
     if not cycles.caustics_reflective:
         text = "Reflective Caustics are off: light reflected by this material is lost"
-        mend = partial(set_values, cycles, caustics_reflective=True)
-        yield Problem("caustics", text, "Switch Caustics On", mend, "more noise")
+        fix = partial(set_values, cycles, caustics_reflective=True)
+        yield Problem("caustics", text, "Switch Caustics On", fix, "more noise")
 
 
 def _ray_problems(known: SceneFacts) -> Iterator[Problem]:
@@ -346,8 +346,8 @@ def _denoiser_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
         part = "part of " if estimator == "hybrid" else ""
         text = f"Denoising Albedo and Normal of {part}{name} show what the surface reflects"
     if guided:
-        mend = partial(set_values, scene.cycles, denoising_input_passes="RGB")
-        yield Problem("denoiser", text, "Denoise Without Albedo and Normal", mend, "softer edges and textures")
+        fix = partial(set_values, scene.cycles, denoising_input_passes="RGB")
+        yield Problem("denoiser", text, "Denoise Without Albedo and Normal", fix, "softer edges and textures")
     else:
         yield Problem("denoiser", text)
 
@@ -358,12 +358,12 @@ def _terminator_problems(known: SceneFacts, estimator: str, model: str) -> Itera
         items = [item for name in known.shifted if (item := known.scene.objects.get(name)) is not None]
         share = " in its mirrored part" if estimator == "hybrid" else ""
         text = f"{name_of(estimator)} ignores Shading Offset{share} and is too bright"
-        mend = partial(clear_offsets, items)
+        fix = partial(clear_offsets, items)
         yield Problem(
             "terminator",
             f"{text}: {', '.join(known.shifted)}",
             "Set Shading Offset to 0",
-            mend,
+            fix,
             "jagged shadow lines on coarse meshes",
         )
 
@@ -377,9 +377,9 @@ def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[
     """Clamping, baking, and material overrides."""
     name, cycles = name_of(estimator), scene.cycles
     if cycles.sample_clamp_direct > 0 and (estimator == "hybrid" or (estimator == "corrected" and bound)):
-        mend = partial(set_values, cycles, sample_clamp_direct=0.0)
+        fix = partial(set_values, cycles, sample_clamp_direct=0.0)
         text = f"Clamp Direct is on and clamps the parts of {name} separately and changes the image"
-        yield Problem("clamp-direct", text, "Set Clamp Direct to 0", mend, "more fireflies")
+        yield Problem("clamp-direct", text, "Set Clamp Direct to 0", fix, "more fireflies")
     diffuse = estimator in RANDOM and MODELS[model].is_diffuse and MODELS[model].mirrors
     if cycles.bake_type in {"DIFFUSE", "GLOSSY"} and (bound or diffuse):
         what = "what it adds for bound lights" if bound else "its diffuse part"

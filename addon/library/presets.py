@@ -123,7 +123,7 @@ def all_presets() -> dict[str, Preset]:
 
 
 def load_errors() -> list[PresetError]:
-    """Of each of the user's files that does not hold, why; and of a folder that is not there."""
+    """Why files of the user's folder cannot be loaded, one error each; or that the folder is missing."""
     folder = user_folder()
     if os.environ.get(USER_FOLDER) and folder is not None and not folder.is_dir():
         return [PresetError(f"{USER_FOLDER}: {folder} is no folder; make it, or unset the variable")]
@@ -131,7 +131,7 @@ def load_errors() -> list[PresetError]:
 
 
 def reread() -> None:
-    """Look again into the user's folder when next asked."""
+    """Read the user's folder again at the next request."""
     _of_user.cache_clear()
 
 

@@ -15,7 +15,7 @@ def draw(popup: bpy.types.Menu, context: bpy.types.Context) -> None:
     """The problem, in words, and the button that fixes it."""
     for problem in advice.cycles_problems(context.scene):
         lines(popup.layout, problem.text, WIDTH)
-        if problem.mend:
+        if problem.fix:
             popup.layout.operator("vgroove.mend", text=problem.button, icon="FILE_REFRESH").key = problem.key
 
 

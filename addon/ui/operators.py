@@ -171,7 +171,7 @@ class VGROOVE_OT_mend(bpy.types.Operator):
         return context.window_manager.invoke_props_dialog(self, width=420, title="Fix All", confirm_text="Fix")
 
     def draw(self, context: bpy.types.Context) -> None:
-        found = [p for p in current_problems(watch.current(context.scene)) if p.mend]
+        found = [p for p in current_problems(watch.current(context.scene)) if p.fix]
         column = self.layout.column(align=True)
         for problem in found:
             if not problem.costs:
@@ -182,19 +182,19 @@ class VGROOVE_OT_mend(bpy.types.Operator):
                 column.label(text=f"{problem.button}. Side effect: {problem.costs}", icon="X")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        found = [p for p in current_problems(context.scene) if p.mend]
-        mendable = [p for p in found if (p.key == self.key if self.key else not p.costs)]
+        found = [p for p in current_problems(context.scene) if p.fix]
+        fixable = [p for p in found if (p.key == self.key if self.key else not p.costs)]
         try:
-            for problem in mendable:
-                if problem.mend:
-                    problem.mend()
+            for problem in fixable:
+                if problem.fix:
+                    problem.fix()
         except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"FINISHED"}  # the fixes before it stay
-        if not mendable:
+        if not fixable:
             left = ": the remaining fixes have side effects; use their buttons" if found else ""
             self.report({"INFO"}, f"Nothing to fix{left}")
-        return {"FINISHED"} if mendable else {"CANCELLED"}
+        return {"FINISHED"} if fixable else {"CANCELLED"}
 
 
 class VGROOVE_OT_favourite(bpy.types.Operator):

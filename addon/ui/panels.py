@@ -119,12 +119,12 @@ class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
         found = operators.current_problems(watch.current(context.scene))
         if not found:
             self.layout.label(text="No problems found", icon="CHECKMARK")
-        if sum(problem.mend is not None and not problem.costs for problem in found) > 1:
+        if sum(problem.fix is not None and not problem.costs for problem in found) > 1:
             self.layout.operator("vgroove.mend", text="Fix All", icon="CHECKMARK").key = ""
         for problem in found:
             box = self.layout.box()
             lines(box, problem.text, context.region.width, icon="ERROR")
-            if problem.mend:
+            if problem.fix:
                 box.operator("vgroove.mend", text=problem.button).key = problem.key
 
 

@@ -152,7 +152,7 @@ def test_the_panel_says_so_and_its_button_opens_the_aperture_a_little(far):
     (problem,) = named(far)
     assert "orthographic" in problem.text
     assert "\n" not in problem.text
-    problem.mend()
+    problem.fix()
     assert named(far) == []
     camera = far.camera.data
     assert camera.dof.focus_distance == pytest.approx(np.hypot(8.2, 1.2) - 1.0, abs=0.15)  # the ball's near side
@@ -205,7 +205,7 @@ def test_too_narrow_a_pixel_filter_is_widened_first(far):
     far.view_layers[0].update()
     (problem,) = named(far)
     assert "filter" in problem.text
-    problem.mend()
+    problem.fix()
     assert named(far) == []
 
 

@@ -223,7 +223,7 @@ def test_a_shading_offset_is_taken_back_by_its_button(stage):
     card.shadow_terminator_shading_offset = 0.4
     (problem,) = said(stage, "mirror")
     assert problem.costs
-    problem.mend()
+    problem.fix()
     assert said(stage, "mirror") == []
     assert card.shadow_terminator_shading_offset == 0.0
 
@@ -275,18 +275,18 @@ def test_denoisers_that_take_no_passes_are_not_warned_of(stage):
     assert [p.key for p in said(stage, "mirror", m=0.05, model="oren_nayar")] == ["denoiser"]
     (problem,) = said(stage, "mirror")
     assert problem.costs
-    problem.mend()
+    problem.fix()
     assert said(stage, "mirror") == []
     stage.view_layers[0].cycles.denoising_store_passes = True
     (problem,) = said(stage, "corrected")
-    assert (problem.key, problem.mend) == ("denoiser", None)
+    assert (problem.key, problem.fix) == ("denoiser", None)
 
 
 def test_small_lights_are_told_by_the_angle_at_which_objects_see_them(stage):
     """An area light of 4 cm is as rarely hit as a bulb; at the same distance one of 2 m is not."""
     area = add_light(stage, "Area", "AREA", at=(0, 0, 4), size=0.04)
     (problem,) = said(stage, "mirror")
-    assert (problem.key, problem.mend) == ("small", None)  # no size of 0 for area lights
+    assert (problem.key, problem.fix) == ("small", None)  # no size of 0 for area lights
     area.data.size = 2.0
     assert 2.0 * math.atan(1.0 / 4.0) > facts.SMALL_ANGLE
     assert said(stage, "mirror") == []

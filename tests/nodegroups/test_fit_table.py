@@ -92,7 +92,7 @@ def test_a_deleted_image_comes_back(blender):
             shown = blender.context.scene
             found = {p.key: p for p in advice.problems_with(shown, materials()["schlick"], "nodes", "fit")}
             assert "render pink" in found["table"].text
-            found["table"].mend()
+            found["table"].fix()
         else:
             rebuild(made, blender.context.scene)
         assert not fit_table.nodes_without_table()

@@ -156,7 +156,7 @@ def test_advice_on_linked_materials_has_no_button(extension, tmp_path):
     copper = presets.find("lecture/copper")
     found = advice.problems_with(extension.context.scene, copper, "nodes", "direct")
     (stale,) = (problem for problem in found if problem.key.startswith("stale"))
-    assert stale.mend is None
+    assert stale.fix is None
 
 
 def test_objects_that_share_a_mesh_are_named(extension, capfd):

@@ -117,9 +117,9 @@ def test_advice_is_fixed_by_its_button(extension):
     assert {"engine", "osl", "filter", "clamp"} <= {problem.key for problem in found}
     with headless.quiet():
         for problem in found:
-            if problem.mend:
+            if problem.fix:
                 assert extension.ops.vgroove.mend(key=problem.key) == {"FINISHED"}
-    assert [problem for problem in operators.current_problems(stage) if problem.mend] == []
+    assert [problem for problem in operators.current_problems(stage) if problem.fix] == []
 
 
 def test_fix_all_leaves_out_what_has_side_effects(extension):
@@ -141,7 +141,7 @@ def test_fix_all_leaves_out_what_has_side_effects(extension):
         assert extension.ops.vgroove.mend(key="") == {"CANCELLED"}
     assert (stage.render.engine, stage.cycles.shading_system) == ("CYCLES", True)
     assert light.cycles.use_multiple_importance_sampling
-    left = [problem for problem in operators.current_problems(stage) if problem.mend]
+    left = [problem for problem in operators.current_problems(stage) if problem.fix]
     assert {"small", "adaptive", "filter", "clamp", "caustics", "denoiser"} == {problem.key for problem in left}
     assert all(problem.costs for problem in left)
 
