@@ -79,34 +79,34 @@ class Light:
 def refusal(light: Light | Object) -> str | None:
     """Why the formula cannot be evaluated at this light, and how to fix it; None if it can."""
     one = light if isinstance(light, Light) else Light(light, bpy.context.scene)
-    kind = "spot" if one.item.data.type == "SPOT" else "lamp"
+    kind = "spot" if one.item.data.type == "SPOT" else "light"
     return next((f'{kind} "{one.name}" {why}' for why in _refusals(one)), None)
 
 
 def _refusals(light: Light) -> Iterator[str]:  # noqa: C901 - one condition a refusal
     lamp, data, matrix = light.item, light.item.data, light.matrix
     if (tree := versions.used_nodes(data)) is not None and _has_own_nodes(tree):
-        yield "has a node tree, which the formula cannot follow; switch its Use Nodes off"
+        yield "has a node tree, which the formula does not include; turn its Use Nodes off"
     if lamp.light_linking.receiver_collection:
-        yield 'has light linking, which the formula cannot follow; clear it, or use "closure"'
+        yield "has light linking, which the formula does not include; clear it, or choose Standard"
     if lamp.light_linking.blocker_collection:
-        yield 'has shadow linking, which the formula cannot follow; clear it, or use "closure"'
+        yield "has shadow linking, which the formula does not include; clear it, or choose Standard"
     if not (lamp.visible_diffuse and lamp.visible_glossy):
-        yield 'is hidden from diffuse or glossy rays, which the formula cannot follow; show it, or use "closure"'
+        yield "is hidden from diffuse or glossy rays, which the formula does not include; show it, or choose Standard"
     if light.source and max(abs(s - 1.0) for s in light.source.matrix_world.to_scale()) > 1e-4:
-        yield f'is brought by the scaled instance "{light.source.name}", which the formula cannot follow; unscale it'
+        yield f'belongs to the scaled instance "{light.source.name}", which the formula does not include; unscale it'
     if data.type == "SPOT":
         scale = matrix.to_scale()
         if max(scale) - min(scale) > 1e-4 * max(scale):
-            yield "is scaled unevenly, which the formula cannot follow; apply its scale"
+            yield "is scaled unevenly, which the formula does not include; apply its scale"
     if data.type == "AREA":
         if data.cycles.is_portal:
-            yield "is a portal, which gives no light of its own; switch Portal off"
+            yield "is a portal, which emits no light of its own; turn Portal off"
         if data.spread < SMALLEST_SPREAD:
-            yield "has a spread under 1 degree, which the formula cannot follow; widen it, or use a sun"
+            yield "has a spread under 1 degree, which the formula does not include; widen it, or use a Sun light"
         x, y, z = (column.normalized() for column in matrix.to_3x3().col)
         if max(abs(x.dot(y)), abs(y.dot(z)), abs(z.dot(x))) > 1e-4:
-            yield "is sheared, which the formula cannot follow; scale its parent evenly"
+            yield "is sheared, which the formula does not include; scale its parent evenly"
 
 
 def kind(lamp: Object) -> str:
