@@ -127,7 +127,7 @@ class SceneFacts:
 
     @cached_property
     def _in_rig(self) -> list[lamps.Light]:
-        return lamps.numbered(self.followable)
+        return lamps.with_numbers(self.followable)
 
     def to_bind(self, estimator: str, model: str) -> tuple[lamps.Light, ...]:
         """``lamps_to_bind`` of the scene."""

@@ -242,10 +242,10 @@ def rig_lights(scene: Scene) -> list[Light]:
 
     They are the strongest of all and the strongest of those without a size, ``LIMIT`` of each.
     """
-    return numbered([light for light in all_lights(scene) if refusal(light) is None])
+    return with_numbers([light for light in all_lights(scene) if refusal(light) is None])
 
 
-def numbered(fit: list[Light]) -> list[Light]:
+def with_numbers(fit: list[Light]) -> list[Light]:
     """The lights that get an entry in the rig, with their numbers, of those that the formula allows; in order."""
     wanted = {*fit[:LIMIT], *[light for light in fit if size(light.item) == 0.0][:LIMIT]}
     counts: Counter[Slot] = Counter()
