@@ -268,7 +268,7 @@ class _Path:
     tail: str
 
     def lead_to(self, place: str) -> bool:
-        """Point it to the input's present place, or remove it if there is none and it can be removed; whether it points."""
+        """Point it to the input's present place, or remove it if there is none, if possible; whether it points."""
         if place:
             self.owner.data_path = f"{self.head}{place}{self.tail}"
         elif self.among is not None:

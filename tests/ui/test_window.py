@@ -576,6 +576,18 @@ def test_a_folder_of_malformed_presets_does_not_keep_the_extension_from_register
     assert "Preset skipped:" in " ".join(layout.texts)
 
 
+def test_the_source_recommends_a_roughness(extension):
+    """As Blender's sliders have it: the square roots of the preset's slopes m."""
+    from vgroove.addon.library.presets import all_presets
+    from vgroove.addon.ui import panels
+
+    preset = next(one for one in all_presets().values() if one.m_range)
+    extension.context.scene.vgroove.preset = preset.id
+    text = " ".join(drawn(extension, panels.VGROOVE_PT_source).texts)
+    low, high = (f"{m**0.5:.2g}" for m in preset.m_range)
+    assert f"Recommended roughness: {low} to {high}" in text
+
+
 def test_a_citation_says_what_and_whence():
     from vgroove.addon.library.presets import find
     from vgroove.addon.ui import operators
