@@ -39,7 +39,7 @@ OUTPUTS = ("exr", "png")
 MOST_TASKS = 1_000_000
 ERRORS = 1e-4, 1.0  # that can be asked for; a hundredth of one takes ten thousand times as long
 LONGEST_FILE = 1_000_000  # bytes
-# What a table may hold, and what stands for a key that is not there
+# The keys of a table, and their defaults
 DEFAULTS: dict[str, Any] = {
     "scene": PREVIEW, "object": "", "preset": [], "assign": {}, "set": {}, "time": [], "frames": "",
     "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "samples": [], "error": [], "seed": 0,

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 LIMIT = 8
 SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly any random point on the lamp sends light
-# 5.2 takes what a driver writes near 0 for 0, which would put a low sun on the horizon. Readers normalise an axis, and
+# 5.2 flushes driver values near 0 to 0, which would put a low sun on the horizon. Readers normalise an axis, and
 # a power of two rounds nothing.
 AXIS_SCALE = 65536
 PLAN = "plan"  # beside the arrays of the rig, RIG: what they were written for
@@ -358,7 +358,7 @@ def _drive_vector(light: Light, name: str, channel: int, column: int) -> None:
         _object_variable(driver, outer, light.source, f"matrix_world[{k}][{channel}]", 0.0)
 
 
-# By what to multiply a strength for Cycles' normalized one, n: that is 1, else the surface as in ``_surface``.
+# Factor from a light's strength to the normalized one: 1 if it is normalized (n), else the area of ``_surface``.
 _AREA = "sqrt(a*a + b*b + c*c) * sqrt(o*o + p*p + q*q) * w * (w if y == 0 or y == 4 else l)"
 _AREA_PATHS = {"w": "data.size", "l": "data.size_y", "y": "data.shape"} | {
     name: f"matrix_world[{row}][{channel}]"
