@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from .outcome import Outcome
 
 READY = "ready"
-LOOK = 0.25  # seconds between looks at a process's time and memory
-OLD = 3600.0  # seconds, after which nobody still writes a file that takes well under one
+POLL_INTERVAL = 0.25  # seconds between checks of a process's time and memory
+OLD = 3600.0  # seconds after which a temporary file is abandoned; writing one takes well under a second
 TEMPORARY = re.compile(r"\.[0-9a-f]{32}\.(\d+)-(\w*)\.\w+")  # of a task, by files.replacing
-SCRATCH = re.compile(r"vgroove-(\d+)-\w+")  # a folder of a process that was begun by another
+SCRATCH = re.compile(r"vgroove-(\d+)-\w+")  # the folder of a child process
 
 
 def sweep(folder: Path, pid: int | None = None) -> None:
@@ -93,7 +93,7 @@ class Child:
         return found
 
     def held(self) -> int:
-        """Bytes of memory that the process holds now."""
+        """Bytes of memory that the process uses now."""
         try:
             return int(psutil.Process(self.pid).memory_info().rss)
         except psutil.Error:
@@ -111,7 +111,7 @@ class Child:
 
     def _watch(self, done: threading.Event, longest: float, most: int) -> None:
         start = time.monotonic()
-        while not done.wait(LOOK):
+        while not done.wait(POLL_INTERVAL):
             if time.monotonic() - start > longest:
                 self.kill(f"took longer than {longest:g} s; give more with --timeout")
             elif self.held() > most:

@@ -37,7 +37,7 @@ class ClusterError(InputError):
     """A cluster that cannot be used."""
 
 
-def connected(address: str) -> Any:
+def connect_client(address: str) -> Any:
     """A client of the scheduler at ``address``; ClusterError if it cannot be reached."""
     found = ADDRESS.fullmatch(address)
     if not found or not 1 <= int(found[2]) <= 65535:
@@ -86,12 +86,12 @@ def outcomes(
     neighbours = Counter(str(urlsplit(one).hostname) for one in client.scheduler_info(n_workers=-1)["workers"])
     named = {task.identity(versions): task for task in sorted(tasks, key=lambda task: task.place)}  # scenes together
 
-    def submitted(name: str) -> Any:
+    def submit(name: str) -> Any:
         arguments = named[name], folder, versions, limit, dict(neighbours)
         return client.submit(render_on_worker, *arguments, pure=False)
 
     try:
-        futures = {submitted(name): name for name in named}
+        futures = {submit(name): name for name in named}
         waiting = as_completed(list(futures), loop=client.loop)
         for future in waiting:
             name = futures.pop(future)
@@ -99,11 +99,11 @@ def outcomes(
                 found = future.result()
             except KilledWorker:
                 found = Outcome(name, "stumbled", reason="its worker was killed")
-            outcome = tries.settled(found)
+            outcome = tries.settle(found)
             if outcome is not None:
                 yield outcome
             else:
-                again = submitted(name)
+                again = submit(name)
                 futures[again] = name
                 waiting.add(again)
     except Exception as error:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 VGROOVE = Path(sys.executable).parent / "vgroove"
 STILLS, LARGER_STILLS, ALONE = 120, 4, 6
-SETTLED = 0.2  # of the tasks, after which memory is looked at: by then everything was needed once
+WARM_UP = 0.2  # share of the tasks after which memory is measured: by then everything was loaded once
 
 
 def rows() -> list[list[Any]]:
@@ -32,9 +32,9 @@ def rows() -> list[list[Any]]:
 
     with tempfile.TemporaryDirectory(prefix="vgroove-") as name:
         folder = Path(name)
-        before = alone(ALONE // 2, folder)
-        batch = together(STILLS, folder)
-        single = (before + alone(ALONE // 2, folder)) / 2.0
+        before = single_render_seconds(ALONE // 2, folder)
+        batch = batch_seconds(STILLS, folder)
+        single = (before + single_render_seconds(ALONE // 2, folder)) / 2.0
         outside, growth = {}, 0.0
         for side, samples, stills in ((64, 16, STILLS), (256, 64, LARGER_STILLS)):
             (folder / str(side)).mkdir()
@@ -59,18 +59,18 @@ def job(stills: int, side: int, samples: int) -> str:
     )
 
 
-def alone(count: int, folder: Path) -> float:
-    """Seconds of a still that a process of its own renders."""
+def single_render_seconds(count: int, folder: Path) -> float:
+    """Seconds per still, each rendered by its own process."""
     start = time.perf_counter()
     for seed in range(count):
-        given = ["--resolution", "64x64", "--samples", "16", "--seed", str(seed), "--estimator", "fit"]
-        command = [str(VGROOVE), "render", "copper", *given, "-o", str(folder / "alone.exr")]
+        options = ["--resolution", "64x64", "--samples", "16", "--seed", str(seed), "--estimator", "fit"]
+        command = [str(VGROOVE), "render", "copper", *options, "-o", str(folder / "alone.exr")]
         subprocess.run(command, check=True, capture_output=True)
     return (time.perf_counter() - start) / count
 
 
-def together(stills: int, folder: Path) -> float:
-    """Seconds of a still that ``vgroove batch`` renders, with everything from its start to its end."""
+def batch_seconds(stills: int, folder: Path) -> float:
+    """Seconds per still of ``vgroove batch``, start-up and all."""
     (folder / "job.toml").write_text(job(stills, 64, 16), encoding="utf-8")
     start = time.perf_counter()
     subprocess.run([str(VGROOVE), "batch", "job.toml", "-o", "out"], check=True, capture_output=True, cwd=folder)
@@ -91,13 +91,13 @@ def one_process(tasks: list[Task], folder: Path) -> tuple[float, float]:
 
     within, real = [0.0], _cycles.render
 
-    def timed(*arguments: Any) -> None:
+    def time_call(*arguments: Any) -> None:
         start = time.perf_counter()
         real(*arguments)
         within[0] += time.perf_counter() - start
 
     renderer, held, began = Renderer(folder, {}, pool.cores()), [], 0.0
-    _cycles.render = timed
+    _cycles.render = time_call
     try:
         for index, task in enumerate(tasks):
             if index == 1:
@@ -110,6 +110,6 @@ def one_process(tasks: list[Task], folder: Path) -> tuple[float, float]:
         spent = time.perf_counter() - began
     finally:
         _cycles.render = real
-    settled = held[int(SETTLED * len(held)) :]
+    settled = held[int(WARM_UP * len(held)) :]
     slope = float(np.polyfit(np.arange(len(settled)), settled, 1)[0]) if len(settled) > 1 else math.nan
     return (spent - within[0]) / within[0], slope

@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 PREVIEW = "preview"  # the scene that comes with vgroove; its ball takes the preset
-PREVIEW_SAMPLES, PREVIEW_SIZE = 128, (640, 480)  # of it where none are given; a .blend has its own
+PREVIEW_SAMPLES, PREVIEW_SIZE = 128, (640, 480)  # of it by default; a .blend has its own
 BACKENDS = ("nodes", "osl")
 ESTIMATORS = ("auto", *estimators.ALL)
 OUTPUTS = ("exr", "png")
 MOST_TASKS = 1_000_000
 ERRORS = 1e-4, 1.0  # that can be asked for; a hundredth of one takes ten thousand times as long
 LONGEST_FILE = 1_000_000  # bytes
-# What a table may hold, and what stands for a key that is not there
+# The keys of a table, and their defaults
 DEFAULTS: dict[str, Any] = {
     "scene": PREVIEW, "object": "", "preset": [], "assign": {}, "set": {}, "time": [], "frames": "",
     "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "samples": [], "error": [], "seed": 0,
@@ -57,7 +57,7 @@ class JobError(PresetError):
 class Task:
     """One still, and everything that decides its pixels.
 
-    given: objects of the scene with the material that each gets, as it is at the task's time.
+    assignments: objects of the scene and the preset of each, at the task's time.
     samples, resolution: the scene's own where None; a preview has numbers.
     error: of noise, relative (``mean.Mean.error``), at which the still is done; in place of samples.
     labels: where the task stands in the grid, for people; not part of what it is.
@@ -65,7 +65,7 @@ class Task:
 
     scene: str
     digest: str  # of the scene file's content; empty for the preview scene
-    given: tuple[tuple[str, Preset], ...]
+    assignments: tuple[tuple[str, Preset], ...]
     frame: int | None
     backend: str
     estimator: str
@@ -80,7 +80,8 @@ class Task:
     def content(self) -> dict[str, Any]:
         """What decides the pixels, as JSON has it; names, sources and places of files do not."""
         materials = [
-            [name, of.model, of.kind, of.coupled, sorted(of.parameters.items())] for name, of in sorted(self.given)
+            [name, of.model, of.kind, of.coupled, sorted(of.parameters.items())]
+            for name, of in sorted(self.assignments)
         ]
         return {
             "scene": self.digest or PREVIEW, "materials": materials, "backend": self.backend,
@@ -96,12 +97,12 @@ class Task:
 
     @property
     def place(self) -> tuple[Any, ...]:
-        """What a scene has to be opened anew for: tasks with the same one render soonest after each other.
+        """What requires reopening the scene: tasks with the same place render fastest one after another.
 
         Of a scene that it keeps, Cycles may remember that light was scattered or taken below a surface.
         """
         kinds = []
-        for name, of in self.given:
+        for name, of in self.assignments:
             taken = of.parameters.get("absorption")
             kinds.append((name, of.model, isinstance(taken, tuple) and any(taken)))
         return self.scene, self.digest, self.backend, tuple(sorted(kinds))
@@ -193,12 +194,13 @@ class _Grid:
         self.outputs = tuple(self.choices("output", OUTPUTS))
         fixed = as_typed(where, "assign", self.table["assign"], dict)
         self.fixed = tuple(
-            (self.read("assign", name_in_blend, name), self.found("assign", preset)) for name, preset in fixed.items()
+            (self.read("assign", name_in_blend, name), self.find_preset("assign", preset))
+            for name, preset in fixed.items()
         )
         changes = as_typed(where, "set", self.table["set"], dict)
         self.axes: dict[str, list[Any]] = {
             "scene": [self.scene(one) for one in self.values("scene")],
-            "preset": [self.found("preset", one) for one in self.values("preset")] or [None],
+            "preset": [self.find_preset("preset", one) for one in self.values("preset")] or [None],
             **{f"set.{name}": _axis(where, name, value) for name, value in changes.items()},
             "time": [self.number("time", one) for one in self.values("time")] or [None],
             "frame": list(self.frames) or [None],
@@ -250,17 +252,17 @@ class _Grid:
         for values in itertools.product(*self.axes.values()):
             at = dict(zip(self.axes, values, strict=True))
             path, digest = at["scene"]
-            given = [(name, self.moved(one, at)) for name, one in self.fixed]
+            assignments = [(name, self.at_point(one, at)) for name, one in self.fixed]
             if at["preset"] is not None:
                 changes = {name[4:]: value for name, value in at.items() if name.startswith("set.")}
-                given.append((self.object or "Ball", self.moved(self.changed(at["preset"], changes), at)))
+                assignments.append((self.object or "Ball", self.at_point(self.changed(at["preset"], changes), at)))
             if path == PREVIEW:
                 at["resolution"] = at["resolution"] or PREVIEW_SIZE
                 at["samples"] = at["samples"] or (None if at["error"] else PREVIEW_SAMPLES)
             labels = tuple((name.removeprefix("set."), _text(at[name])) for name in varied if at[name] is not None)
             yield Task(
-                path, digest, tuple(given), at["frame"], at["backend"], at["estimator"], at["bound"], at["samples"],
-                at["error"], at["seed"], at["resolution"], self.outputs, labels,
+                path, digest, tuple(assignments), at["frame"], at["backend"], at["estimator"], at["bound"],
+                at["samples"], at["error"], at["seed"], at["resolution"], self.outputs, labels,
             )  # fmt: skip
 
     def changed(self, preset: Preset, changes: dict[str, Any]) -> Preset:
@@ -270,7 +272,7 @@ class _Grid:
             message = f"{self.where}: set: {error}"
             raise JobError(message) from error
 
-    def moved(self, preset: Preset, at: dict[str, Any]) -> Preset:
+    def at_point(self, preset: Preset, at: dict[str, Any]) -> Preset:
         """The preset as it is at the point's time, or as far through its course as the frame is through the frames."""
         if preset.time is None:
             return preset
@@ -301,7 +303,7 @@ class _Grid:
             raise JobError(message)
         return str(path), digest_of(path)
 
-    def found(self, key: str, value: Any) -> Preset:
+    def find_preset(self, key: str, value: Any) -> Preset:
         name = as_typed(self.where, key, value, str)
         try:
             return presets.find(name)
@@ -350,7 +352,7 @@ def _is_rgb(name: str) -> bool:
 
 
 def _axis(where: str, name: str, value: Any) -> list[Any]:
-    """Values of a parameter. Of a colour a list of numbers is one value, and several are a list of lists."""
+    """Values of a parameter. For a colour, a list of numbers is one value, a list of lists several."""
     if value == []:
         message = f"{where}: set.{name} is an empty list; give a value or leave it out"
         raise JobError(message)

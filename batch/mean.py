@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mean of independent pictures of one scene, and how far noise leaves it from the truth. Imports no bpy."""
+"""The mean of independent pictures of one scene, and its standard error. Imports no bpy."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 
 class Mean:
-    """Pictures X_b of n_b samples a pixel each: their mean M, weighted by n_b, and its error.
+    """Pictures X_b (H, W, 3), linear light, of n_b samples per pixel: their mean M, weighted by n_b, and its error.
 
     With N = sum n_b over B pictures, sigma^2 = sum n_b (X_b - M)^2 / (B - 1) is each pixel's variance of one sample,
-    and sigma^2 / N that of M. Samples that are spread evenly, as Cycles spreads them, make the true error smaller.
+    and sigma^2 / N that of M. Cycles stratifies its samples, which makes the true error smaller.
     """
 
     def __init__(self) -> None:
@@ -24,6 +24,7 @@ class Mean:
         self._squares: NDArray[np.float64] | float = 0.0
 
     def add(self, picture: NDArray[np.floating], samples: int) -> None:
+        """Add X_b (H, W, 3) of n_b = ``samples`` samples per pixel."""
         wide = np.asarray(picture, np.float64)
         self.samples, self._count = self.samples + samples, self._count + 1
         self._sum = self._sum + samples * wide
@@ -31,14 +32,14 @@ class Mean:
 
     @property
     def picture(self) -> NDArray[np.float32]:
-        """M, as float32."""
+        """M (H, W, 3), linear light."""
         return np.asarray(self._sum / self.samples, np.float32)
 
     @property
     def error(self) -> float:
-        """The root mean square of M's standard error over pixels and channels, over the mean of M; nan of one picture.
+        """RMS of M's standard error over pixels and channels, as a share of the mean of M; nan for one picture.
 
-        inf of a picture that is black but for noise, 0 of one without noise.
+        inf for a picture whose mean is 0, 0 for one without noise.
         """
         if self._count < 2:
             return float("nan")

@@ -17,7 +17,7 @@ class Outcome:
     """What became of a task.
 
     status: "rendered"; "there", from an earlier time, of which the numbers then are; "failed", for a reason;
-    "stumbled", which another try may mend. seconds: until it was rendered, and within Blender's render operator.
+    "stumbled", which another try may fix. seconds: until it was rendered, and within Blender's render operator.
     error: of noise, relative (``mean.Mean.error``), nan where it is not known. memory: bytes, the most that was held.
     reason: why it failed, or what is to be known of it.
     """
@@ -38,7 +38,7 @@ class Outcome:
 
 
 def read_record(text: Any) -> dict[str, Any] | None:
-    """The record of a picture, with its outcome as ``Outcome``; None of what is none, or damaged."""
+    """The record in a picture, with its outcome as ``Outcome``; None if there is none or it is damaged."""
     try:
         record: Any = json.loads(text) if len(text) <= LONGEST_RECORD else None
         outcome = Outcome(**record["outcome"])

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
     from .job import Task
 
-TRIES = 3  # of a task, before it is set aside
-STARTS = 8  # of a process that is killed while it starts
-TYPICAL = 1.5e9  # bytes that a process takes, with a scene of its own
-FULL = 0.8  # of what a process may hold
-RECYCLE = 2000  # tasks, after which a process makes room for a new one
+TRIES = 3  # of a task before it counts as failed
+STARTS = 8  # of a process that is killed during start-up
+TYPICAL = 1.5e9  # bytes that a process typically needs, with its own scene
+FULL = 0.8  # share of a process's memory limit above which it is replaced
+RECYCLE = 2000  # tasks after which a process is replaced
 
 
 @dataclass(frozen=True)
@@ -48,12 +48,12 @@ class Limits:
         return -(-cores() // self.workers)
 
     def is_used_up(self, child: Child) -> bool:
-        """Whether a process makes room for a new one."""
+        """Whether to replace the process by a new one."""
         return child.rendered >= self.recycle or child.held() > FULL * self.memory
 
 
 def cores() -> int:
-    """Those that this process may use."""
+    """Number of CPU cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -95,8 +95,8 @@ class Tries:
     def __init__(self) -> None:
         self._reasons: defaultdict[str, list[str]] = defaultdict(list)
 
-    def settled(self, outcome: Outcome) -> Outcome | None:
-        """The outcome with its tries; None if the task is to be tried again."""
+    def settle(self, outcome: Outcome) -> Outcome | None:
+        """The outcome with its number of tries; None to try the task again."""
         reasons = self._reasons[outcome.name]
         tries = len(reasons) + 1
         if outcome.status != "stumbled":
@@ -166,7 +166,7 @@ class _Pool:
 
     def _settle(self, task: Task, found: Outcome) -> None:
         with self._lock:
-            outcome = self._tries.settled(found)
+            outcome = self._tries.settle(found)
             if outcome is None:
                 self._left[task.place].append(task)
         if outcome is not None:

@@ -55,8 +55,8 @@ def write(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]
             rows.writerow([name, one.status, *numbers, task.label, one.reason])
 
 
-def keep(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]) -> None:
-    """``write`` after work that was ended, perhaps as nothing could be written any more."""
+def try_to_write(path: Path, tasks: Mapping[str, Task], outcomes: Mapping[str, Outcome]) -> None:
+    """``write``, ignoring OSError: for work that ended early, perhaps because the disk is full."""
     if outcomes:
         with suppress(OSError):
             write(path, tasks, outcomes)
@@ -118,7 +118,7 @@ def rays(task: Task) -> float:
 
 
 def estimate(tasks: Mapping[str, Task], before: Mapping[str, float], workers: int, threads: int = 1) -> str:
-    """How long what is left of the tasks takes. before: seconds of those that were rendered already, by name.
+    """Time for the remaining tasks. before: seconds of the tasks already rendered, by name.
 
     They say how fast this scene and machine are; without them it is the speed of the preview scene, by processes of so
     many threads.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..addon.blender.images import SPARE, attribute, digest, digest_of_values, load, save
+from ..addon.blender.images import MIN_FREE_BYTES, attribute, digest, digest_of_values, load, save
 from ..addon.library.errors import InputError
 from ..headless import assignment, memory, scene
 from ..headless.sequence import SEED_STEP, is_done
@@ -83,7 +83,9 @@ class Renderer:
         shown = self._scene(task)
         frame, samples, resolution = self._own
         shown.frame_set(frame if task.frame is None else task.frame)
-        assignment.assign(shown, sorted(task.given), task.backend, task.estimator, task.bound, into=self._materials)
+        assignment.assign(
+            shown, sorted(task.assignments), task.backend, task.estimator, task.bound, into=self._materials
+        )
         began = time.perf_counter()
         size = task.resolution or resolution
         if task.error is None:
@@ -151,7 +153,7 @@ def _opened(task: Task) -> Scene:
         what = "has changed since the job was read; give the same command again" if found else "cannot be read here"
         message = f"{task.scene}: {what}"
         raise scene.SceneError(message)
-    return scene.opened(Path(task.scene))
+    return scene.open_file(Path(task.scene))
 
 
 def _files_outside(blend: Path) -> dict[str, str]:
@@ -245,6 +247,6 @@ def _leave_out(shown: Scene) -> None:
 
 def _check_disk(folder: Path) -> None:
     """OSError where there is no room for a picture, which Blender's own errors do not always say."""
-    if shutil.disk_usage(folder).free < SPARE:
+    if shutil.disk_usage(folder).free < MIN_FREE_BYTES:
         message = f"{folder}: the disk is full; make room and give the same command again"
         raise OSError(message)

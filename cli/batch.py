@@ -29,27 +29,25 @@ JobArgument = Annotated[
     Path, typer.Argument(metavar="JOB.toml", help="A file with tables [[render]]; see docs/batch.md")
 ]
 OutputOption = Annotated[
-    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the stills; made if it does not exist")
+    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the stills; created if missing")
 ]
-DryRunOption = Annotated[bool, typer.Option("--dry-run", help="Say what would be rendered, and render nothing")]
+DryRunOption = Annotated[bool, typer.Option("--dry-run", help="Print what would be rendered; render nothing")]
 TasksOption = Annotated[
     str | None, typer.Option("--tasks", metavar="A-B", help="Only these tasks, as --dry-run numbers them")
 ]
 WorkersOption = Annotated[
     int | None,
-    typer.Option(
-        parser=whole(1, MOST_WORKERS), metavar="N", help="Processes; by default one per core, if memory allows"
-    ),
+    typer.Option(parser=whole(1, MOST_WORKERS), metavar="N", help="Processes; default: one per core, if memory allows"),
 ]
 TimeoutOption = Annotated[
-    float | None, typer.Option(parser=real(1.0), metavar="S", help="Longest time of a task, in seconds")
+    float | None, typer.Option(parser=real(1.0), metavar="S", help="Time limit per task, in seconds")
 ]
 MemoryOption = Annotated[
     int | None,
     typer.Option(
         parser=whole(256, MOST_MEGABYTES),
         metavar="MB",
-        help="Most memory of a process; by default its share of what is free",
+        help="Memory limit per process; default: its share of the free memory",
     ),
 ]
 ClusterOption = Annotated[
@@ -58,7 +56,7 @@ ClusterOption = Annotated[
 ]
 OpenJdOption = Annotated[
     Path | None,
-    typer.Option("--openjd", metavar="FILE", help="Write an Open Job Description template, and render nothing"),
+    typer.Option("--openjd", metavar="FILE", help="Write an Open Job Description template; render nothing"),
 ]
 
 
@@ -74,7 +72,7 @@ def batch(
     cluster: ClusterOption = None,
     openjd_file: OpenJdOption = None,
 ) -> None:
-    """Render every task of a job file to a still of its own; complete stills from before are kept."""
+    """Render every task of a job file to a still. Existing complete stills are kept."""
     from ..batch import job, openjd, pool
 
     if openjd_file is not None and (dry_run or cluster is not None):
@@ -97,7 +95,7 @@ def batch(
     else:
         from ..batch import cluster as dask
 
-        with dask.connected(cluster) as client:
+        with dask.connect_client(cluster) as client:
             if memory is None:  # that is for each machine to say
                 limit = replace(limit, memory=0)
             table = _results_file(output, part)
@@ -105,7 +103,7 @@ def batch(
 
 
 def _selected(tasks: list[Task], part: str | None) -> tuple[int, list[Task]]:
-    """The tasks A to B, counted from 1, or the one A, of text "A-B" or "A"; the number of the first, and they."""
+    """Parse "A-B" or "A", counted from 1: the number of the first task, and the tasks A to B."""
     if part is None:
         return 1, tasks
     found = re.fullmatch(r"([0-9]{1,7})(?:-([0-9]{1,7}))?", part)
@@ -153,10 +151,10 @@ def _render(tasks: Sequence[Task], table: Path, outcomes: Generator[Outcome], la
                 found[outcome.name] = outcome
         results.write(table, named, found)
     except OSError as error:  # the input was fine
-        results.keep(table, named, found)
+        results.try_to_write(table, named, found)
         raise RuntimeError(str(error)) from error
     except BaseException:
-        results.keep(table, named, found)
+        results.try_to_write(table, named, found)
         raise
     failed = [one for one in found.values() if one.status == "failed"]
     kept = sum(one.status == "there" for one in found.values())

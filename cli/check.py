@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..lab.check.rows import Row
 
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write every row as JSON")]
-QuickOption = Annotated[bool, typer.Option(help="One row of each kind, to see that the instrument works")]
+QuickOption = Annotated[bool, typer.Option(help="One row of each kind: a test of the instrument")]
 
 
 def check(*, json_file: JsonOption = None, quick: QuickOption = False) -> None:

@@ -24,12 +24,13 @@ if TYPE_CHECKING:
     from ..addon.choose.explain import Account
 
 SceneOption = Annotated[
-    Path | None, typer.Option("--scene", metavar="SCENE.blend", help="Explain for this scene, not the preview's")
+    Path | None,
+    typer.Option("--scene", metavar="SCENE.blend", help="Explain for this scene instead of the preview scene"),
 ]
-EstimatorOption = Annotated[Estimator, typer.Option(help="auto: chosen for the scene")]
+EstimatorOption = Annotated[Estimator, typer.Option(help="auto: picked for the scene")]
 SamplesOption = Annotated[
     int | None,
-    typer.Option(parser=whole(1, MOST_SAMPLES), metavar="N", help="Samples per pixel, if not the scene's own"),
+    typer.Option(parser=whole(1, MOST_SAMPLES), metavar="N", help="Samples per pixel; default: the scene's own"),
 ]
 JsonOption = Annotated[
     bool, typer.Option("--json", help="{material, estimator, backend, lines, size, advice} instead of tables")
@@ -59,7 +60,7 @@ def explain(
     from ..lab.bench import universal
 
     with headless.quiet():
-        stage = scene.opened(in_scene) if in_scene else scene.preview()
+        stage = scene.open_file(in_scene) if in_scene else scene.preview()
         stage.cycles.samples = samples or (stage.cycles.samples if in_scene else PREVIEW_SAMPLES)
         account = explaining.explain(preset, stage, str(backend), str(estimator))
         problems = [problem.text for problem in advice.problems_with(stage, preset, str(backend), account.estimator)]
@@ -91,12 +92,12 @@ def _print_tables(account: Account, size: dict[str, dict[str, int]]) -> None:
 
 
 def universal_caption(choice: Choice) -> str:
-    """What the universal material can do in place of the one that was built by ``choice``."""
+    """What the universal material, beside the one built by ``choice``, can do."""
     from ..lab.bench import universal
 
-    text = "universal: one material whose inputs show any preset, but for absorption"
+    text = "universal: one material whose inputs show any preset, except absorption"
     if terms := universal.form_of(choice).lamps:
-        text += f", with terms of {terms} lamps"
+        text += f", with terms for {terms} lights"
     if choice.backend == Backend.NODES and not universal.fits():
         text += "; does not fit in this Blender"
     return text + ". Times and memory: docs/report.md"

@@ -16,12 +16,12 @@ from .terminal import progress, say
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder that `vgroove batch` rendered to")]
 OutputOption = Annotated[
     Path | None,
-    typer.Option("-o", "--output", metavar="FILE", help="The page; gallery.html in that folder if left out"),
+    typer.Option("-o", "--output", metavar="FILE", help="The page; default: gallery.html in that folder"),
 ]
 
 
 def gallery(folder: FolderArgument, output: OutputOption = None) -> None:
-    """Make a web page of a folder of stills: thumbnails with what each shows, and a filter."""
+    """Make a web page from a folder of stills: labelled thumbnails, and a filter."""
     if not folder.is_dir():
         message = f"{folder}: no such folder; name one that `vgroove batch` rendered to"
         raise InputError(message)

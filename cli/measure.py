@@ -50,7 +50,7 @@ PhiOption = Annotated[
     ),
 ]
 SunAngleOption = Annotated[
-    float, typer.Option(parser=real(0.0, 90.0), metavar="DEG", help="Angular diameter of the sun; mirror needs one")
+    float, typer.Option(parser=real(0.0, 90.0), metavar="DEG", help="Angular diameter of the sun; mirror needs > 0")
 ]
 FurnaceOption = Annotated[bool, typer.Option(help="Measure the directional albedo under a uniform white world")]
 WindowOption = Annotated[
@@ -128,10 +128,10 @@ def _suitable(estimator: Estimator, preset: Preset, *, extended: bool, furnace: 
     extended: whether the light has a size, which mirror needs.
     """
     if estimator == Estimator.MIRROR and not extended:
-        message = "mirror does not see a sun of zero size; give --sun-angle DEG or --furnace"
+        message = "mirror misses a sun of zero size; give --sun-angle DEG or --furnace"
         raise InputError(message)
     if estimator == Estimator.DIRECT and furnace:
-        message = "direct sees lamps alone, not the world of --furnace; give --theta-i DEG, or choose mirror"
+        message = "direct sees only lights, not the world of --furnace; give --theta-i DEG, or choose mirror"
         raise InputError(message)
     if estimator != Estimator.AUTO:
         return estimator

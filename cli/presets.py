@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def list_presets(
-    query: Annotated[str, typer.Argument(help="Words to look for in id, name and tags")] = "",
+    query: Annotated[str, typer.Argument(help="Words to find in id, name and tags")] = "",
     *,
     as_json: Annotated[
         bool, typer.Option("--json", help="A list of {id, name, family, model, parameters, source}")
@@ -27,8 +27,8 @@ def list_presets(
 ) -> None:
     """List the presets, including yours in the folder that VGROOVE_PRESETS names."""
     found = presets.search(query)
-    for error in presets.refused():
-        warn(f"left out: {error}")
+    for error in presets.load_errors():
+        warn(f"preset skipped: {error}")
     if as_json:
         print(json.dumps([_as_json(preset) for preset in found], indent=1))
         return

@@ -59,17 +59,17 @@ AssignOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="OBJECT[:SLOT]=PRESET",
-        help="Give an object of the scene a preset, or one of its material slots, by name or number (repeatable)",
+        help="Assign a preset to an object, or to one of its material slots by name or number (repeatable)",
     ),
 ]
 EstimatorOption = Annotated[
-    Estimator, typer.Option(help="auto: closure or fit, whichever comes closer in this scene; see explain")
+    Estimator, typer.Option(help="auto: closure or fit, the smaller expected error in this scene; see explain")
 ]
 FramesOption = Annotated[
     str | None,
     typer.Option(
         metavar="A-B",
-        help="Render a sequence; presets that change go from start to end. Complete frames from before are kept",
+        help="Render a sequence; presets that change go from start to end. Existing complete frames are kept",
     ),
 ]
 DrivingOption = Annotated[
@@ -80,7 +80,7 @@ ToleranceOption = Annotated[
     typer.Option(
         parser=real(),
         metavar="SHARE",
-        help="with --frames: how far keys may be from a parameter's law, as a share of its range",
+        help="with --frames: largest error of the keys, as a share of the parameter's range",
     ),
 ]
 ShutterOption = Annotated[
@@ -137,7 +137,7 @@ def render(
     span = _frames(frames, output)
     size = parse_resolution(resolution) if resolution is not None else None
     _check_outputs(output, strip, movie, span, at_time, shutter)
-    assigned = _settled(_assigned(what, assign or []), settings, at_time)
+    assigned = _with_settings(_presets_to_show(what, assign or []), settings, at_time)
     start_blender()
     from .. import headless
     from ..addon.blender import lamps
@@ -147,7 +147,7 @@ def render(
     size = size or (None if is_scene else PREVIEW_SIZE)
     pixels: dict[str, Any] = {"samples": samples, "seed": seed, "resolution": size}
     with headless.quiet():
-        stage = scene.opened(Path(what)) if is_scene else scene.preview()
+        stage = scene.open_file(Path(what)) if is_scene else scene.preview()
         stage.cycles.samples = samples or (stage.cycles.samples if is_scene else PREVIEW_SAMPLES)
     with lamps.read_once():
         with headless.quiet():
@@ -217,7 +217,7 @@ def _check_outputs(
         raise InputError(message)
 
 
-def _assigned(what: str, assign: list[str]) -> Assigned:
+def _presets_to_show(what: str, assign: list[str]) -> Assigned:
     """The presets to show: those of ``--assign`` in a scene, or the one on the preview scene's ball."""
     if not what.endswith(".blend"):
         if assign:
@@ -250,7 +250,7 @@ def assignments(items: list[str]) -> Assigned:
     return list(found.items())
 
 
-def _settled(assigned: Assigned, settings: list[str] | None, at_time: float | None) -> Assigned:
+def _with_settings(assigned: Assigned, settings: list[str] | None, at_time: float | None) -> Assigned:
     """Each preset with the settings, and at the time if it changes; InputError for a time if none does."""
     if at_time is not None and not any(preset.time for _, preset in assigned):
         names = ", ".join(preset.id for _, preset in assigned) or "no preset"

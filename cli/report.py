@@ -37,14 +37,12 @@ class Part(StrEnum):
 
 OutputOption = Annotated[
     Path | None,
-    typer.Option(
-        "-o", "--output", metavar="DIR", help="Folder of the report; made if it does not exist, resumed if it does"
-    ),
+    typer.Option("-o", "--output", metavar="DIR", help="Folder of the report; created if missing, resumed if not"),
 ]
 QuickOption = Annotated[bool, typer.Option("--quick", help="Measure less of everything: minutes instead of an hour")]
 AgainOption = Annotated[list[Part] | None, typer.Option("--again", help="Re-measure this part (repeatable)")]
 SourceOption = Annotated[
-    Path | None, typer.Option("--from", metavar="REPORT.json", help="Redraw a report, and render nothing")
+    Path | None, typer.Option("--from", metavar="REPORT.json", help="Redraw a report; render nothing")
 ]
 DocumentsOption = Annotated[
     Path | None,
@@ -53,7 +51,7 @@ DocumentsOption = Annotated[
 CompareOption = Annotated[
     tuple[Path, Path] | None,
     typer.Option(
-        metavar="A.json B.json", help="Print what B has better or worse. Exits 1 if anything is worse or gone"
+        metavar="A.json B.json", help="Print where B is better or worse than A. Exits 1 if anything is worse or missing"
     ),
 ]
 
@@ -78,7 +76,7 @@ def report(
         _compare(*compare)
     elif source is not None:
         if quick or again:
-            message = "--from draws what is measured; --quick and --again say what to measure: leave them out"
+            message = "--from only redraws; leave out --quick and --again, which say what to measure"
             raise InputError(message)
         require_packages("matplotlib")
         if documents:
@@ -88,7 +86,7 @@ def report(
         message = "--documents writes what --from names; give --from REPORT.json"
         raise InputError(message)
     elif output is None:
-        message = "give -o DIR to measure, --from REPORT.json to draw anew, or --compare A.json B.json"
+        message = "give -o DIR to measure, --from REPORT.json to redraw, or --compare A.json B.json"
         raise InputError(message)
     else:
         _measure(output, again or [], quick=quick)

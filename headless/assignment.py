@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def assign(
     scene: Scene,
-    given: Sequence[tuple[str, Preset]],
+    assignments: Sequence[tuple[str, Preset]],
     backend: str,
     estimator: str,
     bound: float,
@@ -35,9 +35,9 @@ def assign(
     into: dict[str, Material] | None = None,
     where: str = "",
 ) -> list[str]:
-    """Give objects, by name, the materials of presets, those that change by ``play``; returns warnings, each once.
+    """Assign presets to objects by name; those that change are animated by ``play``. Returns warnings, each once.
 
-    given: names are "OBJECT", for its active slot, or "OBJECT:SLOT". Objects that share a mesh each get their own.
+    assignments: by name, "OBJECT" for its active slot or "OBJECT:SLOT". Objects that share a mesh each get their own.
     estimator: "auto" picks one for each. into: objects' materials of an earlier call, which become those of this one.
     SceneError, opened by ``where``, for a name that cannot have a material.
     """
@@ -45,7 +45,7 @@ def assign(
         scene.cycles.shading_system = True
     known, chosen_for = facts.of(scene), []
     said: dict[str, None] = {}
-    for name, preset in given:
+    for name, preset in assignments:
         wanted = f'{where}"{name}={preset.id}"'
         made = into.get(name) if into is not None else None
         item, index, note = _slot(scene, name, wanted, made)
@@ -57,7 +57,7 @@ def assign(
         give(build(preset, choice, made), item, index, alone=True)
         said |= dict.fromkeys(note)
         chosen_for.append((preset, chosen))
-    known = facts.of(scene)  # with the materials that were given
+    known = facts.of(scene)  # with the new materials
     found = [p for preset, chosen in chosen_for for p in problems_with(known, preset, backend, chosen)]
     return list(said | dict.fromkeys(problem.text for problem in found))
 

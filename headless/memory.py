@@ -13,7 +13,7 @@ _GROUP = Path("/sys/fs/cgroup")  # of a container on Linux (version 2)
 
 
 def reset_peak() -> None:
-    """Have ``peak`` begin anew, where the system can: on Linux (proc(5), clear_refs)."""
+    """Reset ``peak`` if the system can: on Linux (proc(5), clear_refs)."""
     with contextlib.suppress(OSError):  # elsewhere, and in containers that forbid it
         (_PROCESS / "clear_refs").write_text("5", encoding="ascii")
 
@@ -37,5 +37,5 @@ def free() -> int:
 
 
 def held() -> int:
-    """What is held now."""
+    """Bytes in use now."""
     return int(psutil.Process().memory_info().rss)

@@ -19,7 +19,7 @@ from typing import IO, TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-LAST_WORDS = 300  # characters of what a process printed last on standard error
+STDERR_TAIL = 300  # last characters of a process's standard error, for messages
 
 
 class LostError(RuntimeError):
@@ -82,7 +82,7 @@ class Process:
         signal_name = signal.Signals(-code).name if code < 0 else ""
         hint = ", as where memory runs out" if signal_name == "SIGKILL" else ""
         self._stderr.seek(0)
-        words = " ".join(self._stderr.read().decode(errors="replace").split())[-LAST_WORDS:]
+        words = " ".join(self._stderr.read().decode(errors="replace").split())[-STDERR_TAIL:]
         said = f": {words}" if words else ""
         return LostError(f"{self.name} ended ({signal_name or f'exit code {code}'}{hint}){said}", signalled=code < 0)
 
@@ -91,7 +91,7 @@ class Process:
 
 
 def open_answers() -> IO[bytes]:
-    """Standard output, for ``answer`` alone: what is printed from now on goes nowhere.
+    """Standard output, for ``answer`` alone: all other prints are discarded from now on.
 
     Ctrl-C goes to every process of a terminal; here it is ignored, as the process that asks ends this one.
     """

@@ -142,8 +142,8 @@ def light_by(scene: Scene, image: Path, strength: float = 1.0) -> None:
 # Scenes of others
 
 
-def opened(path: Path) -> Scene:
-    """The scene of a .blend, which takes the place of what is open; SceneError if it cannot be."""
+def open_file(path: Path) -> Scene:
+    """Open a .blend in place of the current file and return its scene; SceneError if it cannot be opened."""
     try:
         bpy.ops.wm.open_mainfile(filepath=str(one_root(path.absolute())), load_ui=False)
     except RuntimeError as error:

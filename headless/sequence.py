@@ -18,7 +18,7 @@ import bpy
 import imbuf
 import numpy as np
 
-from ..addon.blender.images import attribute, load, opened, save, tile, write
+from ..addon.blender.images import attribute, load, open_image, save, tile, write
 from ..addon.library.files import all_readable, check_writable, replacing
 from ..nodegroups import versions
 from . import scene
@@ -48,7 +48,7 @@ def is_done(path: Path, wanted: str) -> bool:
     """Whether ``path`` is a picture that can be read and was rendered under this note."""
     if attribute(path, "Note") != wanted:
         return False
-    with opened(path) as file:
+    with open_image(path) as file:
         return file is not None and file.read_image() is not None
 
 
@@ -60,20 +60,20 @@ def frame_to(shown: Scene, frame: int, path: Path, wanted: str, shutter: float =
     if is_done(path, wanted):
         return True
     if shutter:
-        save(path, exposed(shown, frame, shutter, **settings), shown, {"Note": wanted})
+        save(path, expose(shown, frame, shutter, **settings), shown, {"Note": wanted})
     else:
         shown.frame_set(frame)
         scene.still(shown, path, note=wanted, **settings)
     return False
 
 
-def exposed(
+def expose(
     shown: Scene, frame: int, shutter: float, *, samples: int | None = None, seed: int | None = None, **settings: Any
 ) -> NDArray[np.float32]:
-    """The mean picture of a frame that is open for ``shutter`` of it, centred, (H, W, 3) in linear light.
+    """The mean picture (H, W, 3), linear light, of a frame whose shutter is open for the share ``shutter``, centred.
 
-    Cycles' own motion blur reads materials once a frame; here each of ``MOMENTS`` is a render of its own, with its part
-    of the samples and a seed of its own, so that what changes within a frame is seen.
+    Cycles' own motion blur reads materials once a frame; here each of ``MOMENTS`` is a separate render, with its part
+    of the samples and its own seed, so that changes within a frame show.
     """
     samples, seed = samples or shown.cycles.samples, shown.cycles.seed if seed is None else seed
     moments, blurred = [], shown.render.use_motion_blur

@@ -32,7 +32,7 @@ def ensure(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types
     """
     for group in bpy.data.node_groups:
         same = group.name.split(".")[0] == name and group.get(REVISION_KEY) == revision and group.library is None
-        if same and cycles_of(group) == cycles.meant() and _as_built(group) == _sockets(group):
+        if same and cycles_of(group) == cycles.version() and _as_built(group) == _sockets(group):
             return group
     return make(name, revision, build)
 
@@ -47,7 +47,7 @@ def make(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.S
         bpy.data.node_groups.remove(group)
         raise
     arrange(group)
-    group[REVISION_KEY], group[CYCLES_KEY], group[SOCKETS_KEY] = revision, cycles.meant(), _sockets(group)
+    group[REVISION_KEY], group[CYCLES_KEY], group[SOCKETS_KEY] = revision, cycles.version(), _sockets(group)
     return group
 
 

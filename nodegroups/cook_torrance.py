@@ -33,8 +33,8 @@ def interface(tree: Tree, kind: str, *, native: bool = False) -> Inputs:
     return Inputs(terms, add_input(tree, SLOPE, native=native), shading_normal.interface(tree))
 
 
-def given(tree: Tree, kind: str) -> Inputs:
-    """The same inputs, where another group's have been taken over; of kinds that a coupled sum takes."""
+def inherited_inputs(tree: Tree, kind: str) -> Inputs:
+    """The same inputs in a group that repeats another group's (``Tree.inputs_of``); of a coupled sum's kinds."""
     terms = {one.name: tree.given(one.label) for one in KINDS[kind].parameters}
     return Inputs(terms, tree.given(SLOPE.label), tree.given("Normal"))
 

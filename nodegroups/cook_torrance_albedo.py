@@ -33,13 +33,16 @@ def build(tree: Tree) -> None:
 
 
 def _rows(name: str) -> list[list[tuple[float, float, float]]]:
-    """Coefficients [j][k], one component a facet."""
+    """Coefficients [j][k] of y^j n^k, one component per facet."""
     first, second, third = table()[name].tolist()
     return [[(a, b, c) for a, b, c in zip(*rows, strict=True)] for rows in zip(first, second, third, strict=True)]
 
 
 def directional_albedo(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value) -> Value:
-    """E of the view, at most 1; of a coloured F its largest channel."""
+    """E(wo) of the view direction, a share in [0, 1]; of a coloured F its largest channel.
+
+    E = sum_j weight_j F(cosine_j) over three facets, fitted to the integral of f cos(theta_i) over the hemisphere.
+    """
     node = tree.group(ensure(NAME, REVISION, build), m=inputs.m, N=N)
     cosines, weights = (Value(tree, node.outputs[name]).xyz for name in ("Cosine", "Weight"))
     with tree.frame("Sum of weight F over three facets"):

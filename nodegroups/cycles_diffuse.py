@@ -10,7 +10,7 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from ..addon.reference.cycles import oren_nayar_power
-from ..addon.reference.oren_nayar_fit import LOST
+from ..addon.reference.oren_nayar_fit import GRAZING_LOSS
 from . import ensure
 from ._tree import Tree, Value, dot, greater, length, less, maximum, minimum, scale, select
 from .oren_nayar_table import MEAN
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NAME = "VGroove Cycles Diffuse"
 REVISION = 2
-A = 1.0 / (pi + LOST)
+A = 1.0 / (pi + GRAZING_LOSS)
 
 
 def build(tree: Tree) -> None:

@@ -25,16 +25,16 @@ def ensure() -> bpy.types.Image:
     return _make()
 
 
-def lost() -> list[bpy.types.ShaderNodeTexImage]:
-    """Nodes whose image an artist deleted: what they feed renders pink."""
+def nodes_without_table() -> list[bpy.types.ShaderNodeTexImage]:
+    """Nodes whose image an artist deleted; materials render pink without it."""
     groups = [group for group in bpy.data.node_groups if REVISION_KEY in group and group.library is None]
     textures = [node for group in groups for node in group.nodes if node.bl_idname == "ShaderNodeTexImage"]
     return [node for node in textures if node.image is None and node.get(REVISION_KEY) == REVISION]
 
 
 def restore() -> None:
-    """Give them the table again."""
-    for node in lost():
+    """Restore the table in those nodes."""
+    for node in nodes_without_table():
         node.image = ensure()
 
 

@@ -33,13 +33,13 @@ def build(tree: Tree, kind: str) -> None:
     inputs = oren_nayar.interface(tree)
     r = roughness(kind, inputs.sigma)
     diffuse = tree.node("ShaderNodeBsdfDiffuse", Color=inputs.albedo, Roughness=r, Normal=inputs.normal)
-    tree.output_shader("BSDF", output(diffuse, "BSDF"), tip=TIP.format(*OFF[cycles.meant()][kind]))
+    tree.output_shader("BSDF", output(diffuse, "BSDF"), tip=TIP.format(*OFF[cycles.version()][kind]))
 
 
 def build_osl(tree: Tree, kind: str) -> None:
     inputs = oren_nayar.interface(tree)
     node = oren_nayar.script(tree, "closure", kind, inputs)
-    tree.output_shader("BSDF", node.outputs[0], tip=TIP.format(*OFF[cycles.meant()][kind]))
+    tree.output_shader("BSDF", node.outputs[0], tip=TIP.format(*OFF[cycles.version()][kind]))
 
 
 def roughness(kind: str, sigma: Value) -> Value:

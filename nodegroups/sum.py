@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..addon.models.sum import MODEL, TOGETHER, D, S
+from ..addon.models.sum import AT_MOST_ONE, MODEL, D, S
 from . import cook_torrance, cook_torrance_albedo
 from .parameters import add_input
 from .shading_normal import specular_normal, typical_smoothing
@@ -37,7 +37,7 @@ def build(
     for part in (diffuse, specular):
         tree.inputs_of(part)
     if coupled is not None:
-        inputs = cook_torrance.given(tree, coupled)
+        inputs = cook_torrance.inherited_inputs(tree, coupled)
         E = cook_torrance_albedo.directional_albedo(tree, coupled, inputs, specular_normal(tree, inputs.normal))
         with tree.frame("What the specular part leaves"):
             d = d * (1.0 - s * E)
@@ -55,7 +55,7 @@ def build(
 
 def weights(tree: Tree, *, coupled: bool) -> tuple[Value, Value]:
     """The inputs Diffuse and Specular; coupled, they need not share what arrives."""
-    shared = {one: one.tip.removesuffix(TOGETHER) for one in (D, S)}
+    shared = {one: one.tip.removesuffix(AT_MOST_ONE) for one in (D, S)}
     tips = {D: f"{shared[D]}, of what the specular part leaves", S: shared[S]} if coupled else {D: "", S: ""}
     return add_input(tree, D, tip=tips[D]), add_input(tree, S, tip=tips[S])
 

@@ -34,7 +34,7 @@ def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bo
     """
     color, path = add_input(tree, REFLECTANCE), add_input(tree, MEAN_FREE_PATH)
     tree.inputs_of(coat)
-    inputs = cook_torrance.given(tree, kind)
+    inputs = cook_torrance.inherited_inputs(tree, kind)
     N = specular_normal(tree, inputs.normal)
     E = cook_torrance_albedo.directional_albedo(tree, kind, inputs, N)
     with tree.frame("Below the surface"):

@@ -50,7 +50,7 @@ OSL_TURNS_IOR = since(5, 3)
 # Lobes whose normal leans from the surface's sent back up to this share more than their formula, times m.
 LEANING = 0.0 if since(5, 0) else 2.1e-3
 # Oren-Nayar of several bounces by another power of the colour.
-cycles.mean(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
+cycles.set_version(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
 
 
 def osl_header() -> str:

@@ -208,7 +208,7 @@ def largest_share(view: View, f: np.ndarray, near: np.ndarray, bound: float) -> 
 def report() -> None:
     """Optimum, fit and plain closure for every sigma and view; the worst of three albedos each."""
     for version, kind in product(cycles.VERSIONS, fit.KINDS):
-        cycles.mean(version)
+        cycles.set_version(version)
         qualitative = kind == "qualitative"
         print(f"\n{kind}, Cycles {version}: L1 in % of the best mixture / fit / closure at its roughness / at sigma")
         print("theta_o   " + "".join(f"{degrees:^22.0f}" for degrees in THETAS))

@@ -34,7 +34,7 @@ def main() -> None:
         made.name, made.use_fake_user = name, True
     with headless.quiet():
         bpy.ops.wm.save_as_mainfile(
-            filepath=str(FOLDER / f"{cycles.meant()}.blend"), compress=True, check_existing=False
+            filepath=str(FOLDER / f"{cycles.version()}.blend"), compress=True, check_existing=False
         )
 
 

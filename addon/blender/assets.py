@@ -27,7 +27,7 @@ def folder() -> Path | None:
     return max(suited, key=number).parent if suited else None
 
 
-def registered() -> bpy.types.UserAssetLibrary | None:
+def find_library() -> bpy.types.UserAssetLibrary | None:
     """The library's entry in the preferences."""
     libraries = bpy.context.preferences.filepaths.asset_libraries
     return next((one for one in libraries if Path(one.path).is_relative_to(FOLDER)), None)
@@ -46,6 +46,6 @@ def register_library() -> None:
 
 def unregister_library() -> None:
     """Take it out of the preferences; what was appended from it stays."""
-    entry = registered()
+    entry = find_library()
     if entry is not None:
         bpy.context.preferences.filepaths.asset_libraries.remove(entry)

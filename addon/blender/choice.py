@@ -25,10 +25,10 @@ BACKENDS = ("nodes", "osl")
 
 
 def most_lights(estimator: str, model: str) -> int:
-    """How many lights may be bound: eight, or as many as Cycles' stack of 255 floats has room for.
+    """How many lights may be bound: eight, or as many as fit on Cycles' stack of 255 floats.
 
-    What outgrows it renders black. Measured with room to spare for an artist's own nodes; in 4.5, which keeps more on
-    it, without: test_stack.py.
+    A material that outgrows it renders black. Measured with room for an artist's own nodes; in 4.5, which stores more
+    on it, without: test_stack.py.
     """
     spec = MODELS[model]
     fewer = spec.most_lights if versions.since(5, 0) else spec.most_lights_4_5
@@ -49,11 +49,11 @@ def lamps_to_bind(scene: Scene, estimator: str, model: str = "cook_torrance") ->
     """The strongest lights that the material evaluates itself, as ``binds`` says for their size."""
     if estimator in NATIVE or MODELS[model].transparent:
         return ()
-    return bindable(lamp_binding.followed(scene), estimator, model)
+    return bindable(lamp_binding.rig_lights(scene), estimator, model)
 
 
 def bindable(lights: Sequence[Light], estimator: str, model: str) -> tuple[Light, ...]:
-    """Those of a scene's followed lights that the material evaluates itself."""
+    """Those of ``lights``, a scene's rig, that the material evaluates itself."""
     return tuple(one for one in lights if binds(estimator, lamp_binding.size(one.item), model))[
         : most_lights(estimator, model)
     ]

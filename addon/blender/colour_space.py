@@ -50,7 +50,7 @@ UNCHANGED = 2e-4  # of the greatest channel: Blender converts colours by other d
 EDGE = float(np.cos(np.radians(82.0)))  # where n and k of presets are fitted, beside head-on
 PARTNERS = {"f82_tint": "f0", "n": "k", "k": "n", "mean_free_path": "reflectance"}  # what is converted together
 HIGHEST_F0 = 0.9999  # of a conductor, beyond which its n and k have no bounds
-LEFT = float(np.exp(-1.0))  # of what a channel can lose by absorption, where its conversion is exact
+MATCHED_SHARE = float(np.exp(-1.0))  # of the absorbable light: at the depth where this is left, conversion is exact
 
 
 def matrix() -> Floats:
@@ -132,7 +132,9 @@ def read(values: Mapping[str, Any], built: Mapping[str, Any], M: Floats) -> dict
         return dict(values)
     written = to_space(built, M)
     edited = {name for name in values if not is_unchanged(values[name], written.get(name))}
-    affected = {name: _together(name, values) for name in values if not edited.isdisjoint(_together(name, values))}
+    affected = {
+        name: _dependencies(name, values) for name in values if not edited.isdisjoint(_dependencies(name, values))
+    }
     needed = {one: values[one] for together in affected.values() for one in together}
     back = from_space(needed, M)
     return {name: back[name] if name in affected else built[name] for name in values}
@@ -169,12 +171,12 @@ class _Converted:
 
     def __call__(self, t: ArrayLike) -> Floats:
         now: dict[str, Any] = {}
-        for name in _together(self.name, self.parameters):
+        for name in _dependencies(self.name, self.parameters):
             now[name] = self.laws.value(name, t) if name in self.laws.laws else self.parameters[name]
         return np.asarray(to_space(now, self.M)[self.name])
 
     def events(self) -> Floats:
-        together = [name for name in _together(self.name, self.parameters) if name in self.laws.laws]
+        together = [name for name in _dependencies(self.name, self.parameters) if name in self.laws.laws]
         return np.concatenate([self.laws.laws[name].events() for name in together])
 
 
@@ -182,19 +184,19 @@ def courses(keys: Mapping[str, Keyframes], still: Mapping[str, Any], M: Floats) 
     """What plays in the space of ``M``, in Rec.709; ``still``: the numbers, in the space too, of what does not move."""
     if is_same(M, REC709):
         return dict(keys)
-    return {name: moved(name, keys, still, partial(from_space, M=M)) for name in keys}
+    return {name: convert_keys(name, keys, still, partial(from_space, M=M)) for name in keys}
 
 
-def moved(
+def convert_keys(
     name: str, keys: Mapping[str, Keyframes], still: Mapping[str, Any], convert: Callable[..., dict[str, Any]]
 ) -> Keyframes:
     """The keys of one parameter, converted with those of its partner at the same times."""
     times = keys[name].times
-    now = {one: keys[one](times) if one in keys else still[one] for one in _together(name, still)}
+    now = {one: keys[one](times) if one in keys else still[one] for one in _dependencies(name, still)}
     return Keyframes(times, np.asarray(convert(now)[name]))
 
 
-def _together(name: str, known: Mapping[str, Any]) -> list[str]:
+def _dependencies(name: str, known: Mapping[str, Any]) -> list[str]:
     """A parameter and what its conversion depends on."""
     base = base_name(name)
     partner = PARTNERS.get(base, base) + name.removeprefix(base)
@@ -269,7 +271,7 @@ def _absorption(a: Floats, M: Floats) -> Floats:
         return np.maximum(M @ a, 0.0)
     scaled = np.where(a > 1e-6 * greatest, a / greatest, 0.0)
     limit = M[:, scaled == 0.0].sum(axis=1)
-    target = limit + (1.0 - limit) * LEFT
+    target = limit + (1.0 - limit) * MATCHED_SHARE
     d = np.zeros(3)
     for _ in range(100):  # Newton from the left of a falling convex function never passes the root
         left = M * np.exp(-scaled * d[:, None])

@@ -143,11 +143,13 @@ def _convert_course(made: Material, still: dict[str, Any], before: Floats, after
             back = np.linalg.inv(T).T
             keys |= {name: Keyframes(keys[name].times, keys[name].values @ back) for name in colours}
         for name in colours:
-            new = colour_space.moved(name, keys, still, convert)
+            new = colour_space.convert_keys(name, keys, still, convert)
             trajectory.set_values(node.node_tree, sockets[name].name, new.values.tolist())
         return
     if colours:
-        course.replace_curves(made, sockets, {name: colour_space.moved(name, keys, still, convert) for name in colours})
+        course.replace_curves(
+            made, sockets, {name: colour_space.convert_keys(name, keys, still, convert) for name in colours}
+        )
 
 
 # Handlers

@@ -167,7 +167,7 @@ def span_of(curves: Iterable[FCurve]) -> tuple[float, float]:
     """First and last frame of all keys."""
     frames = [point.co.x for curve in curves for point in curve.keyframe_points]
     if not frames:
-        message = "this material has no keys; add its course first"
+        message = "this material has no keys; add its animation first"
         raise AnimationError(message)
     return min(frames), max(frames)
 
@@ -205,11 +205,13 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
             f"{' and '.join(linked)} of {material.name} come from a texture, which no curve can follow; unlink them"
         )
         raise AnimationError(message)
-    held = _held(node, sockets)
+    held = _read_keys(node, sockets)
     fed = {name for name, one in sockets.items() if any(link.from_node == node for link in one.links)}
     if missing := fed - set(held):
         what = ", ".join(sorted(missing))
-        message = f"{material.name}: {what} in its Trajectory group was changed and cannot be read; remove the course"
+        message = (
+            f"{material.name}: {what} in its Trajectory group was changed and cannot be read; remove the animation"
+        )
         raise AnimationError(message)
     held = {name: keys for name, keys in held.items() if name in fed}
     played = _by_frame(material, node, held, sockets)
@@ -218,7 +220,7 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
         fcurves.write_keys(material, socket, keys, "linear")
 
 
-def _held(node: Node, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]:
+def _read_keys(node: Node, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]:
     """The course of each parameter, by age, as ramps or texts have it now; of two keys of one age the later one."""
     found = {}
     by_label = trajectory_group.keys_of(node.node_tree)
@@ -286,7 +288,7 @@ def courses(material: Material, sockets: Mapping[str, NodeSocket]) -> dict[str, 
     """The course of each parameter that changes, by age, as a material's curves or ramps have it now."""
     node = trajectory_node(material)
     if node is not None:
-        return _held(node, sockets)
+        return _read_keys(node, sockets)
     found: dict[str, Keyframes] = {}
     moving = [curve for curve in curves_of(material, sockets.values()) if len(curve.keyframe_points)]
     first, last = span_of(moving) if moving else (0.0, 1.0)
@@ -316,7 +318,7 @@ def remove(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
         fcurves.set_channel(socket, curve.array_index, curve.evaluate(frame))
     node = trajectory_node(material)
     if node is not None:
-        held, now = _held(node, sockets), _clock(node, clock(node)[0].default_value)
+        held, now = _read_keys(node, sockets), _clock(node, clock(node)[0].default_value)
         _drop_trajectory(material, node)
         for name, keys in held.items():
             for channel, value in enumerate(np.atleast_1d(keys.law()(now))):

@@ -40,7 +40,7 @@ BRINGS_INSTANCES = {"VERTS", "FACES"}
 
 @dataclass(frozen=True)
 class Light:
-    """A light that lights the render. via: what brings it, where it is no plain object of the scene."""
+    """A light of the render. via: the instance, particles or nodes that bring it; "" for an object of the scene."""
 
     item: Object
     via: str
@@ -113,12 +113,12 @@ class SceneFacts:
 
     @cached_property
     def refusals(self) -> dict[lamps.Light, str]:
-        """Why the formula cannot follow a light, of those that it cannot follow."""
+        """The lights at which the formula cannot be evaluated, and why."""
         return {light: why for light in self._bindable if (why := lamps.refusal(light)) is not None}
 
     @cached_property
-    def followed(self) -> list[lamps.Light]:
-        """The lights that the formula can follow, strongest first."""
+    def followable(self) -> list[lamps.Light]:
+        """The lights at which the formula can be evaluated, strongest first."""
         return [light for light in self._bindable if light not in self.refusals]
 
     @cached_property
@@ -126,29 +126,29 @@ class SceneFacts:
         return lamps.all_lights(self.scene)
 
     @cached_property
-    def _placed(self) -> list[lamps.Light]:
-        return lamps.placed(self.followed)
+    def _in_rig(self) -> list[lamps.Light]:
+        return lamps.with_numbers(self.followable)
 
     def to_bind(self, estimator: str, model: str) -> tuple[lamps.Light, ...]:
         """``lamps_to_bind`` of the scene."""
         if estimator in NATIVE or MODELS[model].transparent:
             return ()
-        return bindable(self._placed, estimator, model)
+        return bindable(self._in_rig, estimator, model)
 
     def unbound(self, bound: Iterable[lamps.Light]) -> list[Light]:
-        """The lights that are not among those."""
+        """The lights that are not among ``bound``."""
         own = {light.item for light in bound if not (light.source or light.in_set)}
         brought = {light.item for light in bound if light.source or light.in_set}
         return [one for one in self.lights if one.item not in (brought if one.via else own)]
 
-    def held(self, made: Material) -> set[str]:
-        """The lights that one of our materials reads."""
-        if made not in self._held:
-            self._held[made] = bound_slots(made)
-        return self._held[made]
+    def bound_slots(self, made: Material) -> set[str]:
+        """The lights that one of our materials reads, as slots of the rig; cached."""
+        if made not in self._bound_slots:
+            self._bound_slots[made] = bound_slots(made)
+        return self._bound_slots[made]
 
     @cached_property
-    def _held(self) -> dict[Material, set[str]]:
+    def _bound_slots(self) -> dict[Material, set[str]]:
         return {}
 
     @cached_property
@@ -163,14 +163,14 @@ class SceneFacts:
 
     @property
     def is_soft(self) -> bool:
-        """Whether something broad shines, whose place Cycles draws at random."""
+        """Whether there is a broad light, on which Cycles samples random points."""
         return not all([one.small for one in self.lights] + [one.small for one in self.emitters])
 
 
 def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
-    """The facts of a scene; what are facts already comes back as it is.
+    """The facts of a scene; facts are returned unchanged.
 
-    update: have Blender evaluate what it has not evaluated yet, as after changes by a script. A draw function must not.
+    update: let Blender evaluate pending changes, such as a script's. A draw function must not.
     """
     if isinstance(scene, SceneFacts):
         return scene
@@ -266,7 +266,7 @@ def _instances(item: Object, scene: Scene) -> Iterator[Object]:
     if trees and all(one.show_viewport for one in trees) and (evaluated := _evaluated(item, scene)) is not None:
         yield from _referred_to(evaluated)
     else:  # Blender evaluates what the viewport shows: of the rest, what the nodes name
-        yield from (found for one in trees for found in _named(one.node_group, _given(one)))
+        yield from (found for one in trees for found in _named(one.node_group, _modifier_inputs(one)))
 
 
 def _inside(collection: Collection) -> Iterator[Object]:
@@ -295,8 +295,8 @@ def _referred_to(evaluated: Object) -> Iterator[Object]:
                 waiting.append(one)
 
 
-def _given(modifier: Any) -> list[object]:
-    """What a Geometry Nodes modifier gives to its group. 4.5 keeps it in custom properties."""
+def _modifier_inputs(modifier: Any) -> list[object]:
+    """The inputs of a Geometry Nodes modifier. 4.5 stores them in custom properties."""
     if not versions.since(5, 0):
         return list(modifier.values())
     inputs = modifier.properties.inputs
@@ -305,7 +305,7 @@ def _given(modifier: Any) -> list[object]:
 
 
 def _named(tree: NodeTree, found: list[object]) -> Iterator[Object]:
-    """Objects and collections that are chosen in nodes, or given to them."""
+    """Objects and collections that nodes or their inputs refer to."""
     found += [socket.default_value for node in tree.nodes for socket in node.inputs
               if socket.type in {"OBJECT", "COLLECTION"} and not socket.is_linked]  # fmt: skip
     for one in found:
@@ -334,7 +334,7 @@ def _is_portal(item: Object) -> bool:
 
 
 def _is_small(item: Object, middle: Vector) -> bool:
-    """Whether a random mirror direction rarely meets this light: all points and spots, and what is seen so narrow."""
+    """Whether a random mirror direction rarely hits this light: all points and spots, and lights below the angle."""
     if item.data.type == "SUN":
         return item.data.angle < SMALL_SUN
     return item.data.type != "AREA" or _angle(lamps.size(item), item, middle) < SMALL_ANGLE

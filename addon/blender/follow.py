@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps what the scenes tell of their lights up to date while the extension is on, and before a command renders."""
+"""Keeps the scenes' rigs of lights up to date while the extension is on, and before a command renders."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ HANDLERS = ("load_post", "undo_post", "redo_post")
 
 
 def refresh(scene: Scene) -> None:
-    """Have the scene tell of its lights as they are, if a material asks it, and its materials ask for all of them.
+    """Update the scene's rig of lights, if a material reads it, and rebuild materials that need more lights.
 
-    Writes only what is not so.
+    Writes nothing that is up to date.
     """
     if scene.library is not None or not any(map(bound_slots, bpy.data.materials)):
         return
@@ -40,14 +40,14 @@ def _used(scene: Scene) -> set[Material]:
 
 
 def register() -> None:
-    """Follow lights from now on."""
+    """Start following lights."""
     bpy.app.handlers.depsgraph_update_post.append(_on_update)
     for name in HANDLERS:
         getattr(bpy.app.handlers, name).append(_on_file)
 
 
 def unregister() -> None:
-    """Follow them no more."""
+    """Stop following them."""
     bpy.app.handlers.depsgraph_update_post.remove(_on_update)
     for name in HANDLERS:
         getattr(bpy.app.handlers, name).remove(_on_file)

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from bpy.types import Image, Scene
     from numpy.typing import NDArray
 
-SPARE = 2**20  # bytes beside a picture below which a disk is full
+MIN_FREE_BYTES = 2**20  # a disk with less left beside a picture counts as full
 MAGIC = b"\x76\x2f\x31\x01", b"\x89PNG\r\n\x1a\n"  # first bytes of an EXR and of a PNG
-TALLEST = 4  # of a tile, over its width
+MAX_TILE_ASPECT = 4  # height of a tile over its width
 
 
 def pixels(image: Image) -> NDArray[np.float32]:
@@ -39,7 +39,7 @@ def pixels(image: Image) -> NDArray[np.float32]:
 def write(
     path: Path, picture: NDArray[np.floating], attributes: Mapping[str, Any], space: str = colour_space.OF_REC709
 ) -> None:
-    """(H, W, 3) as float32 EXR, or of another ending (PNG, WebP) as 8 bits of what is from 0 to 1, with attributes.
+    """Write (H, W, 3) with attributes: float32 EXR, or by another ending (PNG, WebP) 8 bits of the range 0 to 1.
 
     space: the colour space that an EXR's values are in, which the file states. OSError where that fails.
     """
@@ -57,7 +57,7 @@ def write(
     values = np.ascontiguousarray(picture, np.float32)
     if file is None or not (file.open(str(path), spec) and file.write_image(values) and file.close()):
         why = f"cannot be written: {file.geterror() if file else oiio.geterror()}"
-        if path.parent.is_dir() and shutil.disk_usage(path.parent).free < values.nbytes + SPARE:
+        if path.parent.is_dir() and shutil.disk_usage(path.parent).free < values.nbytes + MIN_FREE_BYTES:
             why = "the disk is full; make room, and give the same command again"
         message = f"{path}: {why}"
         raise OSError(message)
@@ -74,8 +74,8 @@ def save(path: Path, picture: NDArray[np.floating], shown: Scene, attributes: Ma
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Any]:
-    """An EXR or a PNG as OpenImageIO reads it; None if it is none, cannot be read, or is larger than any of ours.
+def open_image(path: Path) -> Iterator[Any]:
+    """An EXR or a PNG as OpenImageIO reads it; None if it is neither, unreadable, or larger than any of ours.
 
     OpenImageIO itself would try each of its formats in turn, which takes minutes for a large file that is of none.
     """
@@ -99,7 +99,7 @@ def opened(path: Path) -> Iterator[Any]:
 
 def attribute(path: Path, name: str) -> Any:
     """One of a file's attributes, None where it has none of that name or cannot be read."""
-    with opened(path) as file:
+    with open_image(path) as file:
         try:
             return file and file.spec().getattribute(name)
         except UnicodeDecodeError:  # nothing of ours
@@ -108,7 +108,7 @@ def attribute(path: Path, name: str) -> Any:
 
 def digest(path: Path) -> str:
     """The SHA-256 of the values that a file's picture has as float32; empty where it cannot be read."""
-    with opened(path) as file:
+    with open_image(path) as file:
         values = file and file.read_image("float")
     return "" if values is None else digest_of_values(values)
 
@@ -131,9 +131,9 @@ def load(path: Path) -> NDArray[np.float32]:
 def tile(path: Path, width: int, paper: float = 1.0) -> NDArray[np.float32]:
     """A file's picture as it looks, (H, width, 3) in sRGB; what is linear is taken through sRGB's own curve.
 
-    A picture that would be more than ``TALLEST`` times as high as wide stands in the middle, with ``paper`` beside it.
+    A picture more than ``MAX_TILE_ASPECT`` times as high as wide is centred, with ``paper`` beside it.
     """
-    with opened(path) as file:
+    with open_image(path) as file:
         if file is None:
             message = f"{path}: is no picture"
             raise RuntimeError(message)
@@ -141,7 +141,7 @@ def tile(path: Path, width: int, paper: float = 1.0) -> NDArray[np.float32]:
         image = bpy.data.images.load(str(found))
         try:
             across, height = image.size
-            factor = min(width / across, TALLEST * width / height)
+            factor = min(width / across, MAX_TILE_ASPECT * width / height)
             image.scale(max(1, round(across * factor)), max(1, round(height * factor)))
             scaled = pixels(image)
         finally:

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from bpy.types import Collection, LayerCollection, NodeTree, Object, Scene
 
 LIMIT = 8
-SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly a random point on the lamp sends anything
-# 5.2 takes what a driver writes near 0 for 0, which would put a low sun on the horizon. Readers normalise an axis, and
+SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly any random point on the lamp sends light
+# 5.2 flushes driver values near 0 to 0, which would put a low sun on the horizon. Readers normalise an axis, and
 # a power of two rounds nothing.
 AXIS_SCALE = 65536
 PLAN = "plan"  # beside the arrays of the rig, RIG: what they were written for
@@ -56,17 +56,17 @@ class Light:
 
     @property
     def slot(self) -> Slot:
-        """Where the rig has it, by what the light is now."""
+        """Its entry in the rig, by the light's present kind and size."""
         return Slot(kind(self.item), size(self.item) > 0.0, self.item.data.use_shadow, self.number)
 
     @property
     def name(self) -> str:
-        """As messages call it."""
+        """Its name in messages."""
         return f"{self.item.name} (instance {self.source.name})" if self.source else self.item.name
 
     @property
     def offset(self) -> Vector:
-        """What an instance takes from the places of what it brings, metres."""
+        """The instance offset (3,), metres, which is subtracted from the places of what it brings."""
         return self.source.instance_collection.instance_offset if self.source else Vector()
 
     @property
@@ -78,36 +78,36 @@ class Light:
 
 
 def refusal(light: Light | Object) -> str | None:
-    """Why the formula cannot follow this light, and how to mend it; None if it can."""
+    """Why the formula cannot be evaluated at this light, and how to fix it; None if it can."""
     one = light if isinstance(light, Light) else Light(light, bpy.context.scene)
-    kind = "spot" if one.item.data.type == "SPOT" else "lamp"
+    kind = "spot" if one.item.data.type == "SPOT" else "light"
     return next((f'{kind} "{one.name}" {why}' for why in _refusals(one)), None)
 
 
 def _refusals(light: Light) -> Iterator[str]:  # noqa: C901 - one condition a refusal
     lamp, data, matrix = light.item, light.item.data, light.matrix
     if (tree := versions.used_nodes(data)) is not None and _has_own_nodes(tree):
-        yield "has a node tree, which the formula cannot follow; switch its Use Nodes off"
+        yield "has a node tree, which the formula does not include; turn its Use Nodes off"
     if lamp.light_linking.receiver_collection:
-        yield 'has light linking, which the formula cannot follow; clear it, or use "closure"'
+        yield "has light linking, which the formula does not include; clear it, or choose Standard"
     if lamp.light_linking.blocker_collection:
-        yield 'has shadow linking, which the formula cannot follow; clear it, or use "closure"'
+        yield "has shadow linking, which the formula does not include; clear it, or choose Standard"
     if not (lamp.visible_diffuse and lamp.visible_glossy):
-        yield 'is hidden from diffuse or glossy rays, which the formula cannot follow; show it, or use "closure"'
+        yield "is hidden from diffuse or glossy rays, which the formula does not include; show it, or choose Standard"
     if light.source and max(abs(s - 1.0) for s in light.source.matrix_world.to_scale()) > 1e-4:
-        yield f'is brought by the scaled instance "{light.source.name}", which the formula cannot follow; unscale it'
+        yield f'belongs to the scaled instance "{light.source.name}", which the formula does not include; unscale it'
     if data.type == "SPOT":
         scale = matrix.to_scale()
         if max(scale) - min(scale) > 1e-4 * max(scale):
-            yield "is scaled unevenly, which the formula cannot follow; apply its scale"
+            yield "is scaled unevenly, which the formula does not include; apply its scale"
     if data.type == "AREA":
         if data.cycles.is_portal:
-            yield "is a portal, which gives no light of its own; switch Portal off"
+            yield "is a portal, which emits no light of its own; turn Portal off"
         if data.spread < SMALLEST_SPREAD:
-            yield "has a spread under 1 degree, which the formula cannot follow; widen it, or use a sun"
+            yield "has a spread under 1 degree, which the formula does not include; widen it, or use a Sun light"
         x, y, z = (column.normalized() for column in matrix.to_3x3().col)
         if max(abs(x.dot(y)), abs(y.dot(z)), abs(z.dot(x))) > 1e-4:
-            yield "is sheared, which the formula cannot follow; scale its parent evenly"
+            yield "is sheared, which the formula does not include; scale its parent evenly"
 
 
 def kind(lamp: Object) -> str:
@@ -220,7 +220,7 @@ _SHADED = {"MESH", "CURVE", "SURFACE", "META", "FONT", "POINTCLOUD", "CURVES"}
 
 
 def _irradiance(light: Light, place: Vector) -> float:
-    """About what reaches ``place`` across the beam: W/m^2 summed over R, G and B."""
+    """Approximate irradiance at ``place`` (metres) on a surface that faces the light, W/m^2, summed over R, G and B."""
     lamp, data = light.item, light.item.data
     color = [c * (t if data.use_temperature else 1.0) for c, t in zip(data.color, data.temperature_color, strict=True)]
     power = data.energy * 2.0**data.exposure * sum(color) * (1.0 if data.normalize else _surface(light))
@@ -231,7 +231,7 @@ def _irradiance(light: Light, place: Vector) -> float:
 
 
 def _surface(light: Light) -> float:
-    """What Cycles divides the strength of a normalized light by; 4 for a point of no size makes it W per steradian."""
+    """The area by which Cycles divides the strength of a normalized light, m^2; 4 for a point of zero size: W/sr."""
     data, extent = light.item.data, size(light.item)
     if data.type == "SUN":
         return pi * sin(extent / 2) ** 2 if extent > 0 else 1.0
@@ -260,16 +260,16 @@ def _has_own_nodes(tree: NodeTree) -> bool:
 # The rig
 
 
-def followed(scene: Scene) -> list[Light]:
-    """The lights that a rig of ``scene`` has, each with its slot, strongest first; writes nothing.
+def rig_lights(scene: Scene) -> list[Light]:
+    """The lights that belong into the rig of ``scene``, each with its slot, strongest first; writes nothing.
 
     They are the strongest of all and the strongest of those without a size, ``LIMIT`` of each.
     """
-    return placed([light for light in all_lights(scene) if refusal(light) is None])
+    return with_numbers([light for light in all_lights(scene) if refusal(light) is None])
 
 
-def placed(fit: list[Light]) -> list[Light]:
-    """Of lights that the formula can follow, strongest first: those that get a place in the rig, with their numbers."""
+def with_numbers(fit: list[Light]) -> list[Light]:
+    """The lights that get an entry in the rig, with their numbers, of those that the formula allows; in order."""
     wanted = {*fit[:LIMIT], *[light for light in fit if size(light.item) == 0.0][:LIMIT]}
     counts: Counter[Slot] = Counter()
     numbered = []
@@ -280,8 +280,8 @@ def placed(fit: list[Light]) -> list[Light]:
 
 
 def follow(scene: Scene) -> list[Light]:
-    """Have the scene's rig tell of its lights as they are now; they, strongest first. Writes only what is not so."""
-    lights = followed(scene)
+    """Update the scene's rig to its lights; returns them, strongest first. Writes nothing if the rig is up to date."""
+    lights = rig_lights(scene)
     plan = json.dumps([_plan(light) for light in lights])
     rig = scene.get(RIG)
     if rig is None or rig.get(PLAN) != plan:
@@ -294,7 +294,7 @@ def follow(scene: Scene) -> list[Light]:
 
 
 def release(scene: Scene) -> None:
-    """Take the rig out of a scene."""
+    """Remove the rig from a scene."""
     if scene.animation_data:
         for curve in [one for one in scene.animation_data.drivers if one.data_path.startswith(f'["{RIG}"]')]:
             scene.animation_data.drivers.remove(curve)
@@ -381,7 +381,7 @@ def _drive_vector(light: Light, name: str, channel: int, column: int) -> None:
         _object_variable(driver, outer, light.source, f"matrix_world[{k}][{channel}]", 0.0)
 
 
-# By what to multiply a strength for Cycles' normalized one, n: that is 1, else the surface as in ``_surface``.
+# Factor from a light's strength to the normalized one: 1 if it is normalized (n), else the area of ``_surface``.
 _AREA = "sqrt(a*a + b*b + c*c) * sqrt(o*o + p*p + q*q) * w * (w if y == 0 or y == 4 else l)"
 _AREA_PATHS = {"w": "data.size", "l": "data.size_y", "y": "data.shape"} | {
     name: f"matrix_world[{row}][{channel}]"

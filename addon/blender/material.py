@@ -24,7 +24,6 @@ from .reading import (
     Origin,
     bound_slots,
     curves,
-    held,
     is_edited,
     is_ours,
     locked,
@@ -33,6 +32,7 @@ from .reading import (
     plays,
     preset_of,
     socket_name,
+    socket_value,
     state_of,
     to_preset,
     upgrade,
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 __all__ = [  # the front of this room: what others need of a material, they take from here
     "BACKENDS", "BUILDERS", "CURVE", "ESTIMATORS", "EVERY_LIGHT", "NATIVE", "RANDOM", "TRAJECTORY", "UPRIGHT",
     "Choice", "MaterialError", "Origin", "absorbs", "add_model", "animate", "bind_lights", "bindable", "binds",
-    "bound_slots", "build", "curves", "fill", "group_of", "held", "is_edited", "is_ours", "lamps_to_bind", "locked",
+    "bound_slots", "build", "curves", "fill", "group_of", "is_edited", "is_ours", "lamps_to_bind", "locked",
     "numbers_of", "origin_of", "parameter_sockets", "play", "plays", "preset_of", "record_of", "set_input", "set_up",
     "show_in_eevee", "show_in_solid_view", "socket_name", "state_of", "stop", "to_preset", "upgrade", "values_of",
 ]  # fmt: skip
@@ -135,7 +135,7 @@ def add_model(material: Material, preset: Preset, choice: Choice, group: ShaderN
 def numbers_of(preset: Preset) -> dict[str, Any]:
     """A preset's parameters as inputs have them in the open file's working space."""
     numbers = colour_space.to_space(preset.parameters, colour_space.matrix())
-    return {name: held(name, value) for name, value in numbers.items()}
+    return {name: socket_value(name, value) for name, value in numbers.items()}
 
 
 def bind_lights(material: Material, node: Node, choice: Choice) -> None:

@@ -22,26 +22,30 @@ if TYPE_CHECKING:
     from mathutils import Vector
     from numpy.typing import NDArray
 
-LOOKED_AT = 4096  # rays, of which 8 million pairs: M is known to a tenth up to 80 000
+SAMPLED_RAYS = 4096  # rays, of which 8 million pairs: M is known to a tenth up to 80 000
 MOST = 2**17  # samples to which that is enough to tell whether 8 times as many rays differ
 APERTURE = 2.0**-14  # radius over focal distance: blurs by 1/16 of a pixel what is 1024 pixels out of focus
 
 
 def different_rays(scene: Scene) -> float:
-    """How many rays in the middle of the picture differ: M, at most ``LOOKED_AT`` squared over 2.
+    """How many rays of a pixel in the middle of the picture differ: M, at most ``SAMPLED_RAYS`` squared over 2.
 
-    Of panoramic cameras and those that a shader drives nothing is known, and all count as different.
+    All rays of panoramic cameras and of those that a shader drives count as different: they are not computed here.
     """
     if scene.camera is None or scene.camera.type != "CAMERA" or scene.camera.data.type not in {"ORTHO", "PERSP"}:
-        return float(LOOKED_AT**2 / 2)
-    x, y, u, v = np.random.default_rng(1).random((4, LOOKED_AT), dtype=np.float32)
+        return float(SAMPLED_RAYS**2 / 2)
+    x, y, u, v = np.random.default_rng(1).random((4, SAMPLED_RAYS), dtype=np.float32)
     rows = np.concatenate(_rays(scene, scene.camera, x, y, u, v), axis=-1)
     _, counts = np.unique(rows.view(np.uint32).astype(np.uint64) @ _MIX, return_counts=True)
     return different(counts)
 
 
 def different(counts: NDArray[np.int64]) -> float:
-    """M, of how often each of what was drawn came up: all pairs over those that are alike, which are at least 1."""
+    """M, the effective number of different rays, from how often each drawn one came up, (n,): pairs over equal pairs.
+
+    With N draws and counts n_i, M = N (N - 1) / sum n_i (n_i - 1), at most N (N - 1) / 2. 1 / M is the unbiased
+    estimate of sum p_i^2, the chance that two draws are equal (Simpson 1949, Nature 163, 688).
+    """
     drawn = int(counts.sum())
     alike = int(np.sum(counts * (counts - 1)))
     return drawn * (drawn - 1) / max(alike, 2)
@@ -83,12 +87,12 @@ def _pixel(scene: Scene, frame: tuple[Vector, ...]) -> tuple[NDArray[np.float64]
 
 
 def filter_width(scene: Scene) -> float:
-    """Over how many pixels samples spread; Blackman-Harris as densely as if evenly, over twice as many."""
+    """Width of the pixel filter, in pixels; Blackman-Harris is as dense as a box of this width, over twice as many."""
     return 1.0 if scene.cycles.pixel_filter_type == "BOX" else float(scene.cycles.filter_width)
 
 
 def aperture(camera: Camera) -> float:
-    """The radius of the lens in metres; 0 of a pinhole."""
+    """The radius of the lens in metres; 0 for a pinhole."""
     if not camera.dof.use_dof:
         return 0.0
     opening = 1.0 if camera.type == "ORTHO" else camera.lens * 1e-3
@@ -96,7 +100,7 @@ def aperture(camera: Camera) -> float:
 
 
 def focal_distance(item: Object) -> float:
-    """How far ahead of a camera what it has in focus is."""
+    """Distance from a camera to its plane of focus, metres."""
     dof = item.data.dof
     if dof.focus_object is None:
         return max(float(dof.focus_distance), 1e-5)
@@ -114,7 +118,7 @@ def open_aperture(scene: Scene) -> None:
 
 
 def _middle(scene: Scene, item: Object) -> float:
-    """How far ahead of the camera the nearest surface in the middle of the picture is; else what the objects are."""
+    """Distance to the surface in the middle of the picture, metres; without one, the meshes' median distance."""
     rotation = item.matrix_world.to_quaternion()
     ahead = rotation @ type(item.location)((0.0, 0.0, -1.0))
     graph = scene.view_layers[0].depsgraph

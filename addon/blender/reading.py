@@ -31,9 +31,9 @@ def socket_name(key: str) -> str:
     return f"Lobe {lobe} {parameter(key).label}" if lobe else parameter(key).label
 
 
-def held(key: str, value: Any) -> Any:
-    """A parameter's value as its input has it: m = 0, a smooth interface, is what float32 can hold of it."""
-    return parameter(key).held(value)
+def socket_value(key: str, value: Any) -> Any:
+    """A parameter's value as its input stores it: m = 0, a smooth interface, becomes the lowest m."""
+    return parameter(key).socket_value(value)
 
 
 @dataclass(frozen=True)
@@ -258,7 +258,7 @@ def _in_rec709(material: Material) -> dict[str, Any]:
     """
     if colour_space.KEY not in material:
         return {}
-    built = {name: held(name, of) for name, of in record_in(material).preset.parameters.items()}
+    built = {name: socket_value(name, of) for name, of in record_in(material).preset.parameters.items()}
     read = colour_space.read(values_of(material), built, colour_space.of(material))
     found = {}
     for name, socket in parameter_sockets(material).items():

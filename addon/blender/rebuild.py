@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from .course import Play
     from .origin import Record
 
-AS_IT_IS: Any = object()  # a course that stays as it is
+UNCHANGED: Any = object()  # the animation stays as it is
 
 
 def rebuild(
     made: Material, scene: Scene, *, backend: str | None = None, estimator: str | None = None,
-    bound: float | None = None, play: Play | None = AS_IT_IS,
+    bound: float | None = None, play: Play | None = UNCHANGED,
 ) -> list[str]:  # fmt: skip
-    """Change ``made`` in place to what is given, and to the lights of ``scene``; what is not given stays as it is.
+    """Change ``made`` in place by the arguments, and to the lights of ``scene``; what the arguments leave out stays.
 
     Returns what could not be kept, a sentence each. MaterialError, with nothing changed, if it cannot be done.
     """
@@ -47,7 +47,7 @@ def rebuild(
     lost = _exchange(made, record.preset, choice)
     changed = material.record_of(record.preset, choice)
     origin.write(made, replace(changed, state=_as_new(record.preset, choice)))
-    if play is AS_IT_IS or play == record.play:
+    if play is UNCHANGED or play == record.play:
         return lost
     if play is None:
         material.stop(made)
@@ -59,7 +59,7 @@ def rebuild(
 
 
 def reset(made: Material, scene: Scene) -> list[str]:
-    """Give ``made`` the numbers again that it was built with, its course, and its node group if that was deleted.
+    """Restore the numbers that ``made`` was built with, its animation, and its node group if that was deleted.
 
     Returns which inputs something else still drives, a sentence each.
     """
@@ -89,12 +89,12 @@ def reset(made: Material, scene: Scene) -> list[str]:
 
 
 def is_of_other_cycles(made: Material) -> bool:
-    """Whether a material was built for a Cycles that renders it otherwise than the one that runs.
+    """Whether a material was built for another Cycles, and renders differently in the running one.
 
     By Blender 5.3 Cycles' own Oren-Nayar changed, and what OSL's closures of glass make of the IOR.
     """
     kept, node = origin.read(made), roles.node(made, roles.MODEL)
-    if kept is None or node is None or nodegroups.cycles_of(node.node_tree) == cycles.meant():
+    if kept is None or node is None or nodegroups.cycles_of(node.node_tree) == cycles.version():
         return False
     preset = kept.preset
     return any(of.spec.of_cycles(kept.estimator, kept.backend) for of in (preset, *preset.parts().values()))
@@ -110,7 +110,7 @@ def _current(made: Material) -> Record:
 
 
 def _as_new(preset: Preset, choice: Choice) -> str:
-    """The state of a material that is built from nothing: what an unedited one has."""
+    """The state of a new, unedited material."""
     record, group = material.record_of(preset, choice), material.group_of(preset, choice)
     new = bpy.data.materials.new(preset.name)
     try:
@@ -135,7 +135,7 @@ def _action(made: Material) -> bpy.types.Action | None:
 
 
 def _exchange(made: Material, preset: Preset, choice: Choice) -> list[str]:
-    """Put the group of ``choice`` in place of the one that the material has; what could not be kept."""
+    """Replace the material's group by that of ``choice``; returns what could not be kept."""
     group = material.group_of(preset, choice)  # may refuse: nothing is changed before it
     tree, node = made.node_tree, roles.node(made, roles.MODEL)
     for light in roles.nodes(made, roles.LIGHT):
@@ -176,7 +176,7 @@ def _restore(made: Material, preset: Preset, choice: Choice, group: ShaderNodeTr
 
 
 def _swap(made: Material, node: Node, group: ShaderNodeTree) -> list[str]:
-    """Give the node another group. Blender matches sockets by their numbers; here they keep what their names had."""
+    """Replace the node's group. Blender matches sockets by number; here values and links follow their names."""
     if node.node_tree == group:
         return []
     fcurves.make_own(made)
@@ -204,7 +204,7 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree) -> list[str]:
 def _fill(
     tree: ShaderNodeTree, group: ShaderNodeTree, kept: dict[str, _Input], inputs: dict[str, NodeSocket]
 ) -> None:  # fmt: skip
-    """What inputs had of the same names; others get what the group has for them."""
+    """Fill inputs with the values and links of those of the same name, others with the group's defaults."""
     defaults = {item.name: item for item in group.interface.items_tree if item.item_type == "SOCKET"}
     for name, socket in inputs.items():
         if name in kept and kept[name].kind == socket.type:
@@ -214,7 +214,7 @@ def _fill(
 
 
 class _Input:
-    """What an input has: its value, what is linked to it, whether it is shown."""
+    """An input's value, link and visibility."""
 
     def __init__(self, socket: NodeSocket) -> None:
         value: Any = getattr(socket, "default_value", None)
@@ -231,7 +231,7 @@ class _Input:
 
 
 def _show(made: Material, node: Node) -> list[str]:
-    """See to it that EEVEE has an output of its own just where the group has one for it, or Cycles shows a mixture."""
+    """Give EEVEE its own output exactly if the group has one for it, or Cycles shows a mixture."""
     tree, output, own = made.node_tree, roles.node(made, roles.OUTPUT), roles.node(made, roles.EEVEE)
     if output is None:
         return []
@@ -268,7 +268,7 @@ class _Path:
     tail: str
 
     def lead_to(self, place: str) -> bool:
-        """Have it lead to the input's place now; what leads nowhere is removed, where that can be. Whether it leads."""
+        """Point it to the input's present place, or remove it if there is none, if possible; whether it points."""
         if place:
             self.owner.data_path = f"{self.head}{place}{self.tail}"
         elif self.among is not None:

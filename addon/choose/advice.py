@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is wrong with a scene for an estimator, and how to mend it."""
+"""What is wrong with a scene for an estimator, and how to fix it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from ..blender.rebuild import is_of_other_cycles, rebuild
 from ..models import MODELS
 from ..models.estimators import BORROWING, EVERY_LIGHT, NATIVE, RANDOM
 from ..reference import cycles
-from .mends import clear_offsets, give_size, rebuild_all, sample_lights, set_size, set_values
+from .automatic import slope_limit
+from .fixes import clear_offsets, give_size, rebuild_all, sample_lights, set_size, set_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -27,28 +28,27 @@ if TYPE_CHECKING:
     from ..blender.lamps import Light
     from ..library.presets import Preset
 
-WEAKEST = 0.02  # reflectance head-on from which the bound of hybrid is held by tools/fit_cook_torrance.py
-LIGHTEST = 1e-5  # weight of a closure, below which Cycles makes none
-FEWEST_BOUNCES = 12  # Cycles' own limit of all kinds together; of each, light turns in glass that often and more
-FEWEST_RAYS = 8  # that differ, for each sample: then noise is at most sqrt(1 + 1/8) of what it should be, 6 % more
-
+WEAKEST = 0.02  # lowest reflectance at normal incidence to which tools/fit_cook_torrance.py holds the bound of hybrid
+LIGHTEST = 1e-5  # Cycles drops closures of lower weight
+FEWEST_BOUNCES = 12  # Cycles' default total; inside glass, light needs as many of each kind, and more
+FEWEST_RAYS = 8  # different rays for each sample: noise is then at most sqrt(1 + 1/8) times what it should be, 6 % more
 
 NAMES = {"auto": "Standard", "corrected": "Exact Lights", "mirror": "Reference"}  # others go by their own names
-SHARPEST = 0.075  # slope m up to which Cycles takes a lobe of its own, too, for a mirror when it stores denoising data
+SHARPEST = 0.075  # slope m up to which Cycles treats its own lobes, too, as mirrors when it stores denoising data
 LIGHTING_PASSES = ("diffuse", "glossy", "transmission", "subsurface")
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Something that keeps an estimator from rendering as it should; ``mend`` is None where only the user can.
+    """A scene setting that would spoil the render. ``fix`` fixes it; None where only the user can.
 
-    costs: what mending it takes from the rest of the scene, which *Mend All* therefore leaves alone; "" if nothing.
+    costs: the side effect of the fix elsewhere in the scene, for which *Fix All* leaves it out; "" if there is none.
     """
 
     key: str
     text: str
     button: str = ""
-    mend: Callable[[], object] | None = None
+    fix: Callable[[], object] | None = None
     costs: str = ""
 
 
@@ -68,7 +68,7 @@ def problems(
         found += [*_unseen_problems(known, estimator, model), *_setting_problems(known.scene, estimator)]
         found += _ray_problems(known)
     if estimator in RANDOM:
-        found += _caustics_problems(known.scene, estimator, model)
+        found += _caustics_problems(known.scene, model)
     if estimator == "direct":
         found += _direct_problems(known)
     if estimator in EVERY_LIGHT:
@@ -84,14 +84,12 @@ def problems(
         ):  # of a translucent body Cycles stores what is below the coat
             found += _denoiser_problems(known.scene, estimator)
     if estimator in BORROWING and m > 1.0:
-        but = " except at bound lights" if estimator == "corrected" else ""
-        text = f"Cycles' own lobes end at m = 1, which is shown in place of m = {m:g}{but}; Reference has no such end"
-        found.append(Problem("slope", text))
+        found.append(Problem("slope", slope_limit(m)))
     return found
 
 
 def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estimator: str) -> list[Problem]:
-    """The same for a preset, and what the preset's own numbers ask of the estimator."""
+    """The same for a preset, and what its own numbers need of the estimator and of the scene."""
     known = facts.of(scene)
     found = problems(known, backend, estimator, preset.m, preset.model)
     for part in list(preset.parts().values()) or [preset]:
@@ -110,27 +108,27 @@ def name_of(estimator: str) -> str:
 def _fresnel_problems(preset: Preset, backend: str, estimator: str) -> Iterator[Problem]:
     off = native_fresnel_error(preset.kind, backend)
     if off and estimator not in {"mirror", "direct"}:
-        mend = "choose Reference" if preset.kind == "conductor" else "choose OSL or Reference"
-        text = f"Cycles' own lobes approximate this Fresnel term in Blender {bpy.app.version_string}"
-        yield Problem("fresnel", f"{text}: up to {100 * off:g} % of the light; {mend}")
-    head_on = preset.reference_fresnel()(1.0)
-    weak = preset.kind != "conductor" and (min(head_on) < WEAKEST or _is_thinner(preset))
+        remedy = "choose Reference" if preset.kind == "conductor" else "choose OSL or Reference"
+        text = f"Blender {bpy.app.version_string} approximates this Fresnel term"
+        yield Problem("fresnel", f"{text}: up to {100 * off:g} % of the light is wrong; {remedy}")
+    f0 = preset.reference_fresnel()(1.0)
+    weak = preset.kind != "conductor" and (min(f0) < WEAKEST or _is_thinner(preset))
     if estimator == "hybrid" and weak:
-        text = f"Hybrid's bound holds for reflectances head-on from {WEAKEST:g}, seen from the thinner side"
-        yield Problem("bound", f"{text}; this material has {min(head_on):.2g}. Choose Reference")
-    if preset.kind == "dielectric" and 0.0 < max(head_on) < LIGHTEST and estimator != "direct":
-        text = f"Cycles leaves out light below {LIGHTEST:g} of what came, and this material reflects {max(head_on):.2g}"
-        yield Problem("faint", f"{text} head-on; an IOR farther from 1 reflects more")
+        text = f"Hybrid's bound holds only for reflectances of at least {WEAKEST:g}, from outside"
+        yield Problem("bound", f"{text}; this material has {min(f0):.2g}. Choose Reference")
+    if preset.kind == "dielectric" and 0.0 < max(f0) < LIGHTEST and estimator != "direct":
+        text = f"The reflection is too weak for Cycles ({max(f0):.2g} at normal incidence)"
+        yield Problem("faint", f"{text}; move the IOR away from 1")
 
 
 def _bounce_problems(scene: Scene) -> Iterator[Problem]:
-    """Light that is still on its way through a piece of glass when Cycles ends its path."""
+    """Cycles ends paths that are still inside a piece of glass."""
     cycles = scene.cycles
     kinds = {"max_bounces": "Total", "glossy_bounces": "Glossy", "transmission_bounces": "Transmission"}
     few = {name: most for name in kinds if (most := getattr(cycles, name)) < FEWEST_BOUNCES}
     if few:
         said = ", ".join(f"{kinds[name]} {most}" for name, most in few.items())
-        text = f"Light that glass turns more often than Max Bounces allow is lost: {said}"
+        text = f"Too few bounces for glass, light is lost: {said}"
         enough = dict.fromkeys(few, FEWEST_BOUNCES)
         yield Problem(
             "bounces", text, f"Allow {FEWEST_BOUNCES} Bounces", partial(set_values, cycles, **enough), "longer renders"
@@ -143,7 +141,7 @@ def _is_thinner(preset: Preset) -> bool:
 
 
 def native_fresnel_error(kind: str, backend: str) -> float:
-    """How far the Fresnel term of Cycles' own lobes may be off on this Blender, as a reflectance; 0 if it is exact."""
+    """Largest error of the Fresnel term of Cycles' own closures on this Blender, a reflectance; 0 if it is exact."""
     if versions.EXACT_CONDUCTOR or kind not in {"conductor", "dielectric"}:
         return 0.0
     if kind == "conductor":
@@ -155,18 +153,18 @@ def cycles_problems(scene: Scene) -> Iterator[Problem]:
     """All materials of the file that were built for a Cycles that renders them otherwise, as one problem."""
     found = [made for made in bpy.data.materials if is_of_other_cycles(made)]
     if found:
-        before = cycles.meant() == cycles.SINCE_5_3
+        before = cycles.version() == cycles.SINCE_5_3
         where = "5.2 or earlier" if before else "5.3 or later"
         names = ", ".join(one.name for one in found)
         text = f"Made in Blender {where}, these render differently here until you update them: {names}"
-        mendable = [made for made in found if not locked(made)]
-        mend = partial(rebuild_all, mendable, scene) if mendable else None
-        yield Problem("cycles", text, "Update" if mend else "", mend)
+        fixable = [made for made in found if not locked(made)]
+        fix = partial(rebuild_all, fixable, scene) if fixable else None
+        yield Problem("cycles", text, "Update" if fix else "", fix)
 
 
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
     """Materials that lost their node group or table, and those made before a light was added or lost its size."""
-    if fit_table.lost():
+    if fit_table.nodes_without_table():
         text = f"The image {fit_table.NAME} was deleted: materials that need it render pink"
         yield Problem("table", text, "Update", fit_table.restore)
     for made, origin in known.origins.items():
@@ -174,11 +172,12 @@ def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
         if origin is None:
             yield Problem(f"lost {made.name}", f"{made.name} has lost its node group", "Update", update)
             continue
-        held = known.held(made) if origin.estimator not in NATIVE else set()
+        held = known.bound_slots(made) if origin.estimator not in NATIVE else set()
         missing = [one for one in known.to_bind(origin.estimator, origin.preset.model) if str(one.slot) not in held]
         if missing:
-            what = "are as Standard has them" if origin.estimator == "corrected" else "are missing"
-            text = f"Not included in {made.name} yet, where they {what}: {_names(missing)}"
+            names = f"Lights {_names(missing)} are" if len(missing) > 1 else f"Light {_names(missing)} is"
+            then = "; rendered as Standard" if origin.estimator == "corrected" else ""
+            text = f"{names} not included in {made.name} yet{then}"
             yield Problem(f"stale {made.name}", text, "Update", update)
 
 
@@ -195,142 +194,142 @@ def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
         yield Problem("osl", text, "Switch OSL On", lambda: set_values(cycles, shading_system=True))
     elif backend == "osl" and cycles.device == "GPU" and _compute_device() not in {"NONE", "OPTIX"}:
         text = f"OSL runs on the CPU and on OptiX, not on {_compute_device()}; choose the backend Nodes"
-        mend = partial(set_values, cycles, device="CPU")
-        yield Problem("device", text, "Render on the CPU", mend, "everything renders on the CPU")
+        fix = partial(set_values, cycles, device="CPU")
+        yield Problem("device", text, "Render on the CPU", fix, "everything renders on the CPU")
 
 
 def _compute_device() -> str:
-    """What Blender's preferences have for rendering on a GPU: NONE, CUDA, OPTIX, HIP, METAL or ONEAPI."""
+    """The GPU backend in Blender's preferences: NONE, CUDA, OPTIX, HIP, METAL or ONEAPI."""
     addon = bpy.context.preferences.addons.get("cycles")
     return addon.preferences.compute_device_type if addon else "NONE"
 
 
 def _unseen_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[Problem]:
-    """What shines and is not met by random facets, or rarely."""
-    name, but = name_of(estimator), "" if estimator == "mirror" else ", but for Fit's share"
+    """Lights that random facets miss or rarely hit."""
+    name, but = name_of(estimator), "" if estimator == "mirror" else ", except in Fit's share"
     sought, world = known.unbound(known.to_bind(estimator, model)), known.scene.world
     pointlike = [one for one in sought if not one.sized]
     if pointlike:
-        text = f"{name} does not see lights of zero size that it cannot bind{but}: {_lights(pointlike)}"
-        mend = partial(give_size, pointlike)
-        yield Problem("size", text, "Give Lights a Size", mend, "softer shadows everywhere")
+        text = f"{name} misses lights of zero size{but}: {_lights(pointlike)}"
+        fix = partial(give_size, pointlike)
+        yield Problem("size", text, "Give Lights a Size", fix, "softer shadows everywhere")
     unsampled = [one for one in sought if not one.sampled]
     if unsampled:
-        text = f"{name} does not see lights whose Multiple Importance is off{but}: {_lights(unsampled)}"
+        text = f"{name} misses lights with Multiple Importance off{but}: {_lights(unsampled)}"
         yield Problem("mis", text, "Switch Multiple Importance On", partial(sample_lights, unsampled))
     if world is not None and not known.sky.sampled:
-        text = f"{name} does not see a world whose Multiple Importance is off{but}"
+        text = f"{name} misses the world, whose Multiple Importance is off{but}"
         yield Problem("world", text, "Sample the World", partial(set_values, world.cycles, sampling_method="AUTOMATIC"))
     if known.sky.sun_disc:
         text = f"{name} rarely hits the sun disc of the world's {known.sky.sun_disc}, whose light is lost or noisy"
-        yield Problem("disc", f"{text}; switch Sun Disc off and add a sun of zero size, which is bound")
+        yield Problem("disc", f"{text}; turn Sun Disc off and add a Sun light with angle 0")
     emitters = [one for one in known.emitters if one.small]
     if emitters:
-        text = f"{name} rarely hits small shining objects, whose light is lost or noisy"
+        text = f"{name} rarely hits small emissive objects, whose light is lost or noisy"
         yield Problem("emitters", f"{text}: {', '.join(one.name for one in emitters)}")
     small = [one for one in sought if one.sized and one.small]
     if small:
         text = f"{name} rarely hits small lights and is noisy: {_lights(small)}"
         shrinking = [one.item for one in small if not one.via and one.item.data.type != "AREA"]
         if shrinking and binds(estimator, 0.0, model):
-            mend, costs = partial(set_size, shrinking, 0.0), "sharp shadows everywhere"
-            more = ". Lights of size 0 are bound when you apply"
-            yield Problem("small", text + more, "Set Their Size to 0", mend, costs)
+            fix, costs = partial(set_size, shrinking, 0.0), "sharp shadows everywhere"
+            more = ". Lights of size 0 are evaluated exactly once you apply"
+            yield Problem("small", text + more, "Set Their Size to 0", fix, costs)
         else:
             yield Problem("small", f"{text}; make them larger, or choose Standard")
 
 
 def _setting_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
-    """Settings that take light from random facets."""
+    """Settings that darken or blur what random facets reflect."""
     cycles, name = scene.cycles, name_of(estimator)
     if cycles.use_adaptive_sampling:
-        text = f"Noise Threshold stops pixels that have not yet found a light, which darkens {name}"
-        mend = partial(set_values, cycles, use_adaptive_sampling=False)
-        yield Problem("adaptive", text, "Switch Noise Threshold Off", mend, "longer renders")
+        text = f"Noise Threshold stops pixels before they hit a light, which darkens {name}"
+        fix = partial(set_values, cycles, use_adaptive_sampling=False)
+        yield Problem("adaptive", text, "Switch Noise Threshold Off", fix, "longer renders")
     if cycles.blur_glossy > 0:
-        mend = partial(set_values, cycles, blur_glossy=0.0)
-        text = f"Filter Glossy is on and blurs {name}'s facets"
-        yield Problem("filter", text, "Set Filter Glossy to 0", mend, "more fireflies")
+        fix = partial(set_values, cycles, blur_glossy=0.0)
+        text = f"Filter Glossy is on and blurs {name}"
+        yield Problem("filter", text, "Set Filter Glossy to 0", fix, "more fireflies")
     if cycles.sample_clamp_indirect > 0:
-        mend = partial(set_values, cycles, sample_clamp_indirect=0.0)
+        fix = partial(set_values, cycles, sample_clamp_indirect=0.0)
         text = f"Clamp Indirect is on and darkens {name}"
-        yield Problem("clamp", text, "Set Clamp Indirect to 0", mend, "more fireflies")
+        yield Problem("clamp", text, "Set Clamp Indirect to 0", fix, "more fireflies")
 
 
-def _caustics_problems(scene: Scene, estimator: str, model: str) -> Iterator[Problem]:
-    cycles, name = scene.cycles, name_of(estimator)
+def _caustics_problems(scene: Scene, model: str) -> Iterator[Problem]:
+    cycles = scene.cycles
     if MODELS[model].transparent and not cycles.caustics_refractive:
-        text = f"Refractive Caustics are off: light through {name} is lost"
-        mend = partial(set_values, cycles, caustics_refractive=True)
-        yield Problem("refractive", text, "Switch Caustics On", mend, "more noise")
+        text = "Refractive Caustics are off: light through this glass is lost"
+        fix = partial(set_values, cycles, caustics_refractive=True)
+        yield Problem("refractive", text, "Switch Caustics On", fix, "more noise")
     if not cycles.caustics_reflective:
-        text = f"Reflective Caustics are off: light by way of {name} is lost"
-        mend = partial(set_values, cycles, caustics_reflective=True)
-        yield Problem("caustics", text, "Switch Caustics On", mend, "more noise")
+        text = "Reflective Caustics are off: light reflected by this material is lost"
+        fix = partial(set_values, cycles, caustics_reflective=True)
+        yield Problem("caustics", text, "Switch Caustics On", fix, "more noise")
 
 
 def _ray_problems(known: SceneFacts) -> Iterator[Problem]:
-    """Too few different rays to hash random numbers from: noise that no more samples take away, but other seeds do."""
+    """Too few different rays to hash random numbers from: more samples do not reduce this noise, other seeds do."""
     scene, found = known.scene, known.different_rays
     samples = scene.cycles.samples
     if found >= FEWEST_RAYS * min(samples, rays.MOST):
         return
     where = " where nothing moves" if scene.render.use_motion_blur else ""
-    text = f"Of the rays in a pixel{where} only {found:.0f} differ, and random numbers with them"
-    text += f": {samples} samples have the noise of {1.0 / (1.0 / samples + 1.0 / found):.0f}"
+    text = f"Only {found:.0f} different rays per pixel{where}"
+    text += f": {samples} samples are as noisy as {1.0 / (1.0 / samples + 1.0 / found):.0f}"
     if rays.filter_width(scene) < 1.0:
         widen = partial(set_values, scene.cycles, filter_width=1.5)
         yield Problem("rays", f"{text}. The pixel filter is too narrow", "Widen the Pixel Filter", widen)
     elif scene.camera.data.type == "ORTHO":
         why = "An orthographic camera is too far from the origin"
-        yield Problem("rays", f"{text}. {why}", "Open Its Aperture a Little", partial(rays.open_aperture, scene))
+        yield Problem("rays", f"{text}. {why}", "Open the Aperture Slightly", partial(rays.open_aperture, scene))
     else:
-        yield Problem("rays", f"{text}. The camera looks at too small an angle; move it nearer and shorten its lens")
+        yield Problem("rays", f"{text}. The camera has too narrow a view; move it closer and shorten its focal length")
 
 
 def _direct_problems(known: SceneFacts) -> Iterator[Problem]:
-    if not known.followed:
-        yield Problem("lamps", "Direct shows bound lights alone, and this scene has none that it can follow")
+    if not known.followable:
+        yield Problem("lamps", "Direct shows bound lights alone, and this scene has none")
     else:
         yield Problem("alone", "Direct shows bound lights alone: no world, no reflections of other objects")
 
 
 def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
-    """Lights that the formula is not evaluated at."""
-    name, rest = name_of(estimator), "left out" if estimator == "direct" else "as Standard has them"
-    if not known.followed and estimator == "corrected":
-        yield Problem("lamps", f"{name} finds no light that it can bind here and is the same as Standard")
+    """Lights at which the formula is not evaluated."""
+    name, rest = name_of(estimator), "left out" if estimator == "direct" else "rendered as Standard"
+    if not known.followable and estimator == "corrected":
+        yield Problem("lamps", f"{name} has no light to evaluate here; it renders like Standard")
     for refused in (why for item, why in known.refusals.items() if any(one.item == item for one in known.lights)):
         yield Problem("refused", refused[0].upper() + refused[1:])
-    brought = [one for one in known.unbound([*known.followed, *known.refusals]) if one.via]
+    brought = [one for one in known.unbound([*known.followable, *known.refusals]) if one.via]
     if brought:
-        text = f"{name} binds lights of the scene itself, of its collection instances and background sets"
+        text = f"{name} does not evaluate lights from nested instances, particles or Geometry Nodes"
         yield Problem("brought", f"{text}; {rest}: {_lights(brought)}")
     items = {light.item for light in bound}
-    if left := [light for light in known.followed if light.item not in items]:
-        yield Problem("limit", f"{name} binds the {len(bound)} strongest lights; {rest}: {_names(left)}")
+    if left := [light for light in known.followable if light.item not in items]:
+        yield Problem("limit", f"{name} evaluates the {len(bound)} strongest lights; {rest}: {_names(left)}")
     if any(lamps.size(item) > 0 for item in items):
         yield from _ray_problems(known)
 
 
 def _emitted_problems(known: SceneFacts, estimator: str) -> Iterator[Problem]:
-    """What differs from Cycles' own light where bound lights are added as emission."""
+    """Where light that a material adds as emission differs from Cycles' own."""
     name, layers = name_of(estimator), [layer for layer in known.scene.view_layers if layer.use]
     between = [f"{one} (hidden from shadow rays)" for one in known.unshadowed]
     between += [f"{one} (transparent)" for one in known.seen_through]
     between += [f"{one} (volume)" for one in known.volumes]
     if between:
-        then = "; what they shade is as Standard has it" if estimator == "corrected" else ""
-        text = f"At bound lights {name} does not see light pass as Cycles does through {', '.join(between)}{then}"
+        then = "; what they shade renders as Standard" if estimator == "corrected" else ""
+        text = f"{name} treats these as opaque at bound lights: {', '.join(between)}{then}"
         yield Problem("between", text)
     if known.groups:
-        yield Problem("groups", f"What {name} adds for bound lights is emitted and lands in no light group")
+        yield Problem("groups", f"What {name} adds for bound lights is missing from light groups")
     if any(getattr(layer, name) for layer in layers for name in _lighting_passes()):
-        yield Problem("passes", f"What {name} adds for bound lights stands in the Emission pass")
+        yield Problem("passes", f"What {name} adds for bound lights goes into the Emission pass")
 
 
 def _denoiser_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
-    """What Cycles gives a denoiser beside the image, where that is not what its own closures would give.
+    """Denoising passes that differ from those of Cycles' own closures.
 
     Emission adds its radiance to the albedo. A mirror passes on the albedo and normal of what it reflects.
     """
@@ -340,33 +339,31 @@ def _denoiser_problems(scene: Scene, estimator: str) -> Iterator[Problem]:
     if not guided and not any(layer.denoising_store_passes for layer in layers):
         return
     name = name_of(estimator)
-    text = f"What {name} adds for bound lights stands in the Denoising Albedo"
+    text = f"What {name} adds for bound lights goes into the Denoising Albedo"
     if estimator == "direct":
-        text = f"{name} has its light in the Denoising Albedo, and no Denoising Normal"
+        text = f"The light of {name} goes into the Denoising Albedo, and there is no Denoising Normal"
     elif estimator in RANDOM:
-        part = "a part of " if estimator == "hybrid" else ""
-        text = f"Denoising Albedo and Normal of {part}{name} are those of what its facets mirror"
+        part = "part of " if estimator == "hybrid" else ""
+        text = f"Denoising Albedo and Normal of {part}{name} show what the surface reflects"
     if guided:
-        mend = partial(set_values, scene.cycles, denoising_input_passes="RGB")
-        yield Problem("denoiser", text, "Denoise by Colour Alone", mend, "softer edges and textures")
+        fix = partial(set_values, scene.cycles, denoising_input_passes="RGB")
+        yield Problem("denoiser", text, "Denoise Without Albedo and Normal", fix, "softer edges and textures")
     else:
         yield Problem("denoiser", text)
 
 
 def _terminator_problems(known: SceneFacts, estimator: str, model: str) -> Iterator[Problem]:
-    """Cycles bends the cosine to each closure's own normal, and no light grazes a random facet."""
+    """Shading Offset bends the cosine to each closure's own normal, which no light grazes on a random facet."""
     if known.shifted and estimator in {*RANDOM, "direct"} and not MODELS[model].transparent:
         items = [item for name in known.shifted if (item := known.scene.objects.get(name)) is not None]
-        share = " where it mirrors" if estimator == "hybrid" else ""
-        text = (
-            f"{name_of(estimator)} does not follow a Shading Offset of the shadow terminator{share} and is too bright"
-        )
-        mend = partial(clear_offsets, items)
+        share = " in its mirrored part" if estimator == "hybrid" else ""
+        text = f"{name_of(estimator)} ignores Shading Offset{share} and is too bright"
+        fix = partial(clear_offsets, items)
         yield Problem(
             "terminator",
             f"{text}: {', '.join(known.shifted)}",
-            "Set It to 0",
-            mend,
+            "Set Shading Offset to 0",
+            fix,
             "jagged shadow lines on coarse meshes",
         )
 
@@ -377,28 +374,29 @@ def _lighting_passes() -> list[str]:
 
 
 def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[Light]) -> Iterator[Problem]:
-    """Clamping, baking, and view layers that show another material."""
+    """Clamping, baking, and material overrides."""
     name, cycles = name_of(estimator), scene.cycles
     if cycles.sample_clamp_direct > 0 and (estimator == "hybrid" or (estimator == "corrected" and bound)):
-        mend = partial(set_values, cycles, sample_clamp_direct=0.0)
-        text = f"Clamp Direct is on and clamps the parts of {name} one by one, which changes their sum"
-        yield Problem("clamp-direct", text, "Set Clamp Direct to 0", mend, "more fireflies")
+        fix = partial(set_values, cycles, sample_clamp_direct=0.0)
+        text = f"Clamp Direct is on and clamps the parts of {name} separately and changes the image"
+        yield Problem("clamp-direct", text, "Set Clamp Direct to 0", fix, "more fireflies")
     diffuse = estimator in RANDOM and MODELS[model].is_diffuse and MODELS[model].mirrors
     if cycles.bake_type in {"DIFFUSE", "GLOSSY"} and (bound or diffuse):
-        what = "what it adds for bound lights" if bound else "its diffuse part, which it mirrors"
+        what = "what it adds for bound lights" if bound else "its diffuse part"
         text = f"A {cycles.bake_type.title()} bake of {name} lacks {what}; bake Combined, or choose Standard"
         yield Problem("bake", text)
     for layer in scene.view_layers:
         if layer.use and layer.material_override is not None:
-            text = f"The view layer {layer.name} shows {layer.material_override.name} in place of every material"
+            text = f"The view layer {layer.name} replaces every material by {layer.material_override.name}"
             yield Problem(f"override {layer.name}", text)
 
 
 def _shadow_problems(backend: str, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
     if backend == "nodes" and not lamp.can_cast_shadows():
-        what = {"direct": "Bound lights", "corrected": "What Exact Lights adds of lights"}
-        text = f"{what.get(estimator, 'Lights of zero size')} shine through things with nodes in this Blender"
-        yield Problem("shadows", f"{text}, which has no Raycast node; choose OSL: {_names(bound)}")
+        what = {"direct": "Bound lights shine", "corrected": "The light that Exact Lights adds shines"}
+        text = f"{what.get(estimator, 'Lights of zero size shine')} through objects"
+        text += ": nodes cannot cast shadows in this Blender"
+        yield Problem("shadows", f"{text}; choose OSL: {_names(bound)}")
 
 
 def _names(items: Sequence[Light]) -> str:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Automatic, which artists know as Standard: one of Cycles' own closures, whatever the scene holds.
 
-It binds no light, draws no random facet and needs no driver, so nothing that is done to the scene later makes it wrong.
-Of ``closure`` and ``fit`` it takes the one with the smaller expected error at equal render time:
+It binds no light, draws no random facet and needs no driver, so no later change to the scene makes it wrong.
+Of ``closure`` and ``fit`` it picks the one with the smaller expected error at equal render time:
 
     error^2 = bias^2 + noise^2,    noise = a N^-p after N samples
 
-Fit's bias is smaller and its samples take longer, so it is taken where the noise no longer hides the difference.
+Fit's bias is smaller and its samples take longer, so it is picked where noise no longer hides the difference.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Pick:
 
 
 def pick(scene: Scene | SceneFacts | None, preset: Preset) -> Pick:
-    """``auto`` for this preset in this scene; None for a scene that is not known yet, as in an asset library.
+    """``auto`` for this preset in this scene; None if the scene is not known yet, as in an asset library.
 
     Smooth glass takes ``mirror``, which is exact there and draws nothing at random.
     """
@@ -65,18 +65,22 @@ def pick(scene: Scene | SceneFacts | None, preset: Preset) -> Pick:
         return Pick(preset.spec.smooth_estimator, "a smooth interface is exact")
     natives = [name for name in NATIVE if name in preset.spec.estimators]
     if len(natives) == 1:
-        return Pick(natives[0], "Cycles' own lobes; this model has no closer fit")
+        return Pick(natives[0], "Cycles' own closure; this model has no Fit")
     known = None if scene is None else facts.of(scene)
     unmeasured = _not_measured(known, preset)
     if known is None or unmeasured:
-        return Pick(natives[0], f"Cycles' own lobes, closest to the formula; nothing was measured of {unmeasured}")
-    chosen, why = _least(known, preset)
+        return Pick(natives[0], f"the estimator closest to the formula; {unmeasured}")
+    chosen, why = _smallest_error(known, preset)
     if (kind := kind_of_light(known)) not in MEASURED[preset.model]:
-        what = f"not measured for the model {preset.model} {UNDER[kind]}, but estimated from other materials"
-        why = f"Cycles' own closest lobes; {what}"
+        why = f"estimated from other materials; the model {preset.model} was not measured {UNDER[kind]}"
     if preset.m > 1.0:
-        why = f"Cycles' own lobes end at m = 1, which stands in for m = {preset.m:g}; Reference has no such end"
+        why = slope_limit(preset.m)
     return Pick(chosen, why)
+
+
+def slope_limit(m: float) -> str:
+    """What to know of a slope m above 1."""
+    return f"Cycles' closures are limited to m = 1; this material has m = {m:g}. Use Reference for larger m"
 
 
 def pick_estimator(scene: Scene | SceneFacts | None, preset: Preset) -> str:
@@ -85,25 +89,27 @@ def pick_estimator(scene: Scene | SceneFacts | None, preset: Preset) -> str:
 
 
 def _not_measured(known: SceneFacts | None, preset: Preset) -> str:
+    """What was not measured, as a sentence; "" if the tables hold."""
     if preset.model not in MEASURED:
-        return f"the model {preset.model}"
+        return f"the model {preset.model} was not measured"
     if known is None:
-        return "the scene"
+        return "the scene is not known"
     if known.lights or known.sky.kind:
         return ""
-    return "scenes lit by shining objects alone" if known.emitters else "scenes without light"
+    lit_by = "lit by emissive objects alone" if known.emitters else "without light"
+    return f"scenes {lit_by} were not measured"
 
 
 def kind_of_light(known: SceneFacts) -> str:
-    """One of ``UNDER``. Beside lights an even world is taken to be dim."""
+    """One of ``UNDER``. Beside lights an even world counts as dim."""
     lit = bool(known.lights or known.emitters or known.sky.sun_disc)
     if known.sky.kind == "picture":
         return "picture and lights" if lit else "picture"
     return "lights" if lit else "even"
 
 
-def _least(known: SceneFacts, preset: Preset) -> tuple[str, str]:
-    """With a denoiser, which takes the noise, bias alone decides."""
+def _smallest_error(known: SceneFacts, preset: Preset) -> tuple[str, str]:
+    """The estimator with the smaller expected error, and why. A denoiser removes the noise: then bias alone decides."""
     samples, denoised = known.scene.cycles.samples, known.scene.cycles.use_denoising
     parts = list(preset.parts().values()) or [preset]
     closure, fit = (_bias(known, parts, name) for name in ("closure", "fit"))
@@ -112,13 +118,13 @@ def _least(known: SceneFacts, preset: Preset) -> tuple[str, str]:
         fit = float(np.hypot(fit, _noise(known, parts, samples)))
     if closure <= fit:
         why = "its bias is small here" if denoised else f"its bias is below the noise of {samples} samples"
-        return "closure", f"Cycles' own closest lobes: {why}, and they are quickest"
-    at = "and a denoiser takes the noise" if denoised else f"which shows at {samples} samples"
-    return "fit", f"Cycles' own lobes, fitted to the formula: they come closer to it, {at}"
+        return "closure", f"Cycles' nearest closure: {why}, and it is the fastest"
+    at = "and a denoiser removes the noise" if denoised else f"which shows at {samples} samples"
+    return "fit", f"Cycles' own closures, fitted to the formula: closer to it than one closure, {at}"
 
 
 def _bias(known: SceneFacts, parts: Sequence[Preset], estimator: str) -> float:
-    """The largest of a preset's parts."""
+    """Expected bias, as a share of the image: the largest of a preset's parts."""
     kind = kind_of_light(known)
     off = max(_bias_of(part, kind.removesuffix(" and lights"), estimator) for part in parts)
     if kind == "picture and lights":
@@ -128,7 +134,7 @@ def _bias(known: SceneFacts, parts: Sequence[Preset], estimator: str) -> float:
 
 
 def _bias_of(part: Preset, kind: str, estimator: str) -> float:
-    """Between the values measured straight in both logarithms; beyond them as at the last."""
+    """Interpolated linearly in both logarithms between the measured values; constant beyond them."""
     table = BIASES[part.model]
     roughness, off = float(part.parameters[table["parameter"]]), 0.0  # type: ignore[arg-type]
     if roughness:
@@ -137,7 +143,7 @@ def _bias_of(part: Preset, kind: str, estimator: str) -> float:
 
 
 def _noise(known: SceneFacts, parts: Sequence[Preset], samples: float) -> float:
-    """After so many samples of a lobe; narrow lobes make a broad light noisier."""
+    """Expected noise after so many samples, as a share of the image; narrow lobes make a broad light noisier."""
     m = max((part.m for part in parts), default=0.0)
     narrow = 0.3 / max(m, 0.05) if m else 0.25
     lit = bool(known.lights or known.emitters or known.sky.sun_disc)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a material is built of, what was left out of it, and why: ``vgroove explain``."""
+"""What a material consists of, what was left out of it, and why: ``vgroove explain``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Line:
-    """One thing that the material holds, or that it does without, and why."""
+    """A part that the material has (``kept``) or that the builder left out, and why."""
 
     what: str
     why: str
@@ -34,7 +34,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Account:
-    """A material, how it was built, and what it holds and does without."""
+    """A material, how it was built, its parts and what was left out."""
 
     material: Material
     choice: Choice
@@ -47,7 +47,7 @@ class Account:
 
 @dataclass(frozen=True)
 class Size:
-    """How much there is of a material: its nodes as of ``nodes_inside``, and the instructions of its OSL shaders."""
+    """A material's nodes, as ``nodes_inside`` counts them, and the instructions of its OSL shaders."""
 
     nodes: int
     instructions: int
@@ -60,7 +60,7 @@ def explain(preset: Preset, shown: Scene | SceneFacts, backend: str, estimator: 
     made = build(preset, choice)
     lines = [Line(f"estimator {pick.estimator}", pick.why, kept=True)]
     if pick.estimator != "closure":
-        lines.append(Line("closure beside it", "EEVEE shows that; Cycles leaves it out", kept=True))
+        lines.append(Line("closure beside it", "EEVEE shows it; Cycles ignores it", kept=True))
     lines += [*_model(preset), *_nodes(made, backend), *_left_out(preset, pick.estimator)]
     lines += _lights(pick.estimator, known, [one.name for one in choice.lamps])
     return Account(made, choice, lines)
@@ -71,17 +71,16 @@ def chosen(
 ) -> tuple[Choice, automatic.Pick]:
     """How ``preset`` is built in ``shown``, and why by that estimator."""
     known = facts.of(shown)
-    pick = automatic.Pick(estimator, "it was asked for")
+    pick = automatic.Pick(estimator, "you chose it")
     if estimator == "auto":
         pick = automatic.pick(known, preset)
     return Choice(backend, pick.estimator, known.to_bind(pick.estimator, preset.model)), pick
 
 
 def size_of(made: Material) -> Size:
-    """Of what Cycles shows of a material.
+    """The size of what Cycles evaluates of a material.
 
-    The instructions are those of the shaders' bytecode, before OSL folds at run time what a material holds constant;
-    each use of a shader counts.
+    Instructions are counted in the shaders' bytecode, before OSL folds constants; each use of a shader counts.
     """
     found = nodes_inside(made.node_tree)
     scripts = [node.bytecode for node in found if node.bl_idname == "ShaderNodeScript"]
@@ -101,7 +100,11 @@ def _model(preset: Preset) -> Iterator[Line]:
     else:
         yield Line(f"model {preset.model}", "" if spec.has_fresnel else preset.kind, kept=True)
     if absorbs(preset):
-        yield Line("absorption: Cycles' volume", "by the way through the body, which must be closed", kept=True)
+        yield Line(
+            "absorption: Cycles' volume",
+            "grows with the distance inside the body, whose mesh must be closed",
+            kept=True,
+        )
     if preset.kind in fresnel.KINDS:
         yield Line(f"Fresnel term: {preset.kind}", fresnel.KINDS[preset.kind].says, kept=True)
 
@@ -110,7 +113,7 @@ def _nodes(made: Material, backend: str) -> Iterator[Line]:
     found = nodes_inside(made.node_tree)
     shaders = sum(node.bl_idname == "ShaderNodeScript" for node in found)
     scripts = f", {shaders} of them OSL shader{'s' * (shaders > 1)}" if shaders else ""
-    yield Line(f"backend {backend}", f"{len(found)} nodes in all{scripts}", kept=True)
+    yield Line(f"backend {backend}", f"{len(found)} nodes{scripts}", kept=True)
 
 
 def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
@@ -118,7 +121,7 @@ def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
         others = [kind for kind in fresnel.KINDS if kind != preset.kind]
         yield Line(f"Fresnel terms: {', '.join(others)}", "the preset needs one", kept=False)
     if preset.time is None:
-        yield Line("time", "the preset does not change: no drivers of time, no keys", kept=False)
+        yield Line("time", "the preset does not change: no time drivers, no keys", kept=False)
     else:
         of, keys = preset.time, course.keyframes(preset.trajectory(), Play())
         counts = ", ".join(f"{name} {found.times.size}" for name, found in keys.items())
@@ -127,7 +130,7 @@ def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
     if not preset.spec.is_diffuse:
         yield Line("diffuse part", "the preset has none", kept=False)
     if preset.transparent and not absorbs(preset):
-        why = "a sheet has no inside" if preset.kind == "thin" else "what passes loses nothing on its way"
+        why = "a sheet has no inside" if preset.kind == "thin" else "the body is clear"
         yield Line("absorption", why, kept=False)
     if not preset.transparent:
         yield Line("transmission", "the preset is opaque", kept=False)
@@ -141,24 +144,24 @@ def _lights(estimator: str, known: SceneFacts, bound: list[str]) -> Iterator[Lin
     if bound:
         yield Line(
             f"{len(bound)} bound light{'s' * (len(bound) > 1)}",
-            f"evaluated by the formula: {', '.join(bound)}; whatever stands between counts as opaque",
+            f"evaluated by the formula: {', '.join(bound)}; every blocker counts as opaque",
             kept=True,
         )
     else:
-        why = "Cycles' closures see every light by themselves" if estimator in NATIVE else "there is none to bind"
+        why = "Cycles' closures see every light" if estimator in NATIVE else "there is no light to evaluate"
         yield Line("lamp terms", why, kept=False)
     if estimator not in NATIVE and known.refusals:
         names = ", ".join(one.name for one in known.refusals)
-        yield Line(f"lights {names}", "the formula cannot follow them", kept=False)
+        yield Line(f"lights {names}", "the formula cannot evaluate them", kept=False)
 
 
 def nodes_inside(tree: NodeTree) -> list[Node]:
-    """The nodes of a tree and of all groups in it that feed what Cycles shows: each use of a group counts."""
+    """The nodes of a tree and of all groups in it that feed Cycles' outputs; each use of a group counts."""
     return _inside(tree, {})
 
 
 def _inside(tree: NodeTree, known: dict[NodeTree, list[Node]]) -> list[Node]:
-    """``known``: what was found in groups, each of which is gone through once."""
+    """``known``: the nodes of groups that were searched already."""
     if tree in known:
         return known[tree]
     sources: dict[NodeSocket, list[Node]] = {}  # socket.links goes through all links of the tree each time

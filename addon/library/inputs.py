@@ -28,7 +28,7 @@ DEEP_KEY = re.compile(rf"(?<![\w.-])(?:{_PART}[ \t]*+\.[ \t]*+){{{MOST_PARTS}}}"
 
 
 def shown(value: Any) -> str:
-    """A value for a message, cut short. Python refuses to write integers of thousands of digits."""
+    """A value for a message, shortened. Python refuses to print integers of thousands of digits."""
     try:
         text = repr(value)
     except (ValueError, RecursionError):

@@ -15,8 +15,19 @@ from .parsing import parse
 from .preset import Preset
 
 __all__ = [
-    "Preset", "PresetError", "all_presets", "find", "load", "load_folder", "parse", "refused", "reread", "search",
-    "set_user_folder", "shipped", "user_folder",
+    "Preset",
+    "PresetError",
+    "all_presets",
+    "find",
+    "load",
+    "load_errors",
+    "load_folder",
+    "parse",
+    "reread",
+    "search",
+    "set_user_folder",
+    "shipped",
+    "user_folder",
 ]  # fmt: skip
 
 FOLDER = Path(__file__).parents[2] / "presets"
@@ -111,8 +122,8 @@ def all_presets() -> dict[str, Preset]:
     return shipped() | _of_user(user_folder())[0]
 
 
-def refused() -> list[PresetError]:
-    """Of each of the user's files that does not hold, why; and of a folder that is not there."""
+def load_errors() -> list[PresetError]:
+    """Why files of the user's folder cannot be loaded, one error each; or that the folder is missing."""
     folder = user_folder()
     if os.environ.get(USER_FOLDER) and folder is not None and not folder.is_dir():
         return [PresetError(f"{USER_FOLDER}: {folder} is no folder; make it, or unset the variable")]
@@ -120,7 +131,7 @@ def refused() -> list[PresetError]:
 
 
 def reread() -> None:
-    """Look again into the user's folder when next asked."""
+    """Read the user's folder again at the next request."""
     _of_user.cache_clear()
 
 

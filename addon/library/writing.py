@@ -90,6 +90,6 @@ def save(preset: Preset, folder: Path) -> Preset:
     return held
 
 
-def take(path: Path, folder: Path) -> Preset:
+def import_file(path: Path, folder: Path) -> Preset:
     """Copy the preset in the file ``path`` into the user's ``folder``; raises as ``save`` and ``presets.load`` do."""
     return save(presets.load(path), folder)

@@ -15,7 +15,7 @@ from .sum import S
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-TIP = "Share of this lobe; with the brightest of Base Color all at most 1, or more light leaves than arrives"
+TIP = "Share of this lobe; with the brightest channel of Base Color all add up to at most 1, or light is created"
 SHARE = replace(S, tip=TIP, default=0.1)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a specular part must be so that light reaches what lies below it."""
+"""The conditions on a specular part under which light reaches the layers below it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from . import fresnel
 if TYPE_CHECKING:
     from .spec import Form
 
-HIGHEST_F0, HIGHEST_ETA = 0.25, 3.0  # up to which the shaders' albedo of the specular part was fitted and is tested
+HIGHEST_F0, HIGHEST_ETA = 0.25, 3.0  # limits of the fit of the specular albedo in the shaders, and of its tests
 
 
 def flaw(what: str, form: Form) -> str:
-    """Why the specular part of ``what`` ("a coupled sum") passes no light, or how much is not known; "" where it is."""
+    """Why ``what`` ("a coupled sum") cannot have this specular part: no light passes, or how much is unknown; or ""."""
     numbers = form.parameters
     if fresnel.KINDS[form.kind].is_metal:
         return f"{what} needs eta or f0: no light passes a metal to what lies below"

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 class Estimator:
     """One way for a model into Cycles.
 
-    label, tip: what the panel says. number: what Blender stores for it, which never changes.
-    quality: the one of the panel's three that is nearest.
-    native: Cycles' own closures and nothing else, which see every light. borrows: closures for a part at least.
+    label, tip: in the panel. number: what Blender stores for it, which never changes.
+    quality: the nearest of the panel's three.
+    native: only Cycles' own closures, which see every light. borrows: Cycles' closures for at least a part.
     random: draws a facet for each sample. every_light: evaluates the formula at bound lights of any size.
     upright: its closures stand on the shading normal; others lean, and Bump Map Correction would bend them.
     """
@@ -31,32 +31,32 @@ class Estimator:
 ESTIMATORS = {
     "fit": Estimator(
         "Fit",
-        "A fixed mixture of Cycles' own closures within a few percent of the formula: every light, no added noise",
+        "A mixture of Cycles' own closures within a few percent of the formula; works with every light, adds no noise",
         4, "standard", native=True, borrows=True,
     ),
     "closure": Estimator(
         "Closure",
-        "Cycles' own closure: every light, least noise, but another model: Smith's shadowing, Fujii's rough diffuse",
+        "Cycles' nearest closure: least noise, but a different model (Smith shadowing, Fujii diffuse)",
         1, "standard", native=True, borrows=True, upright=True,
     ),
     "corrected": Estimator(
         "Corrected",
-        "Fit, made exact for the eight strongest lights: no noise from lights of zero size, little from others",
+        "Fit, corrected to the formula at the eight strongest lights. Lights of zero size add no noise, others little",
         5, "exact", borrows=True, every_light=True,
     ),
     "hybrid": Estimator(
         "Hybrid",
-        "Fit for the most part, the rest by Mirror: exact within a bound that you set, with less noise than Mirror",
+        "Mostly Fit, the rest Mirror: exact within a bound that you set, less noise than Mirror",
         6, "reference", borrows=True, random=True,
     ),
     "mirror": Estimator(
         "Mirror",
-        "Exact: a random facet for each sample. Lights of zero size are added by the formula",
+        "Exact: a random facet for each sample, and the formula at lights of zero size",
         2, "reference", random=True,
     ),
     "direct": Estimator(
         "Direct",
-        "Exact and free of noise, for the eight strongest lights alone: no world, no reflections",
+        "Exact and noise-free, but only the eight strongest lights: no world, no reflections",
         3, "exact", every_light=True, upright=True,
     ),
 }  # fmt: skip

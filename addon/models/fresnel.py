@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The kinds of Fresnel term: what each takes, and the reference's class for it."""
+"""The kinds of Fresnel term: the parameters of each, and the reference's class for it."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from .spec import Form
 
 F0 = Parameter(
-    "f0", "F0", "Reflectance seen head-on, linear RGB", (0.04, 0.04, 0.04), 0.0, 1.0, socket="Color",
+    "f0", "F0", "Reflectance at normal incidence, linear RGB", (0.04, 0.04, 0.04), 0.0, 1.0, socket="Color",
 )  # fmt: skip
 F82_TINT = Parameter(
-    "f82_tint", "F82 Tint", "Multiplies Schlick's formula at 82 degrees, near grazing; white leaves it as it is",
+    "f82_tint", "F82 Tint", "Multiplies Schlick's formula at 82 degrees, near grazing; white changes nothing",
     (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color",
 )  # fmt: skip
 ETA = Parameter(
@@ -34,7 +34,7 @@ K = Parameter(
 
 @dataclass(frozen=True)
 class Kind:
-    """A Fresnel term. is_metal: no light passes to what lies below. says: where its numbers come from, in words."""
+    """A Fresnel term. is_metal: no light passes to the layers below. says: where its numbers come from, in words."""
 
     label: str
     parameters: tuple[Parameter, ...]

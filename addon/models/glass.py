@@ -9,10 +9,10 @@ from .cook_torrance import SLOPE
 from .spec import Form, Model, Parameter
 
 TINT = Parameter(
-    "tint", "Tint", "Multiplies what passes", (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color", optional=True,
+    "tint", "Tint", "Multiplies the transmitted light", (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color", optional=True,
 )  # fmt: skip
 ABSORPTION = Parameter(
-    "absorption", "Absorption", "Of red, green and blue light, in 1/m: after d metres exp(-a d) of it is left",
+    "absorption", "Absorption", "Absorption a of red, green and blue light, 1/m; exp(-a d) is left after d metres",
     (0.0, 0.0, 0.0), 0.0, 1e5, unit="1/m", socket="Color", optional=True, in_volume=True,
 )  # fmt: skip
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What describes a model: its parameters, its form, and what each layer asks of it. Imports no bpy."""
+"""The description of a model: its parameters, its form, and what each layer needs to know. Imports no bpy."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ Number = float | tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a model, wherever it appears: in files, sockets, shaders, the panel and on the command line.
+    """A parameter of a model, for files, sockets, shaders, the panel and the command line.
 
-    name: in files and the reference. label: in Blender. unit: as people read it; "" where it has none.
-    low, high: its range; of RGB that of each channel. native_high: up to where Cycles' own closures take it.
-    default: what a socket shows first; three numbers make the parameter RGB.
+    name: in files and the reference. label: in Blender. unit: as people read it; "" if it has none.
+    low, high: its range, for RGB that of each channel. native_high: the limit of Cycles' own closures.
+    default: of the socket; three numbers make the parameter RGB.
     socket, subtype: Blender's, for the socket.
     optional: a file may leave it out. is_roughness: it spreads the reflected light, and its keys run in ratios.
-    in_volume: it belongs to the body, not to its surface.
-    zero_is_smooth: 0, which lies below the range, stands for a smooth interface.
+    in_volume: a property of the body, not of its surface.
+    zero_is_smooth: 0, below the range, means a smooth interface.
     example: for the message that says it is missing.
     """
 
@@ -46,7 +46,7 @@ class Parameter:
     def is_rgb(self) -> bool:
         return isinstance(self.default, tuple)
 
-    def held(self, value: Number) -> Number:
+    def socket_value(self, value: Number) -> Number:
         """``value`` as a socket can hold it: a smooth interface is the least roughness."""
         return max(value, self.low) if self.zero_is_smooth and isinstance(value, float) else value
 
@@ -76,14 +76,14 @@ class Model:
     parts: name and model of what it is made of. lobes: parameters of one lobe, ``lobe_model`` of it, at most so many.
     estimators: those it has, of ``estimators.ESTIMATORS``.
     reference: (form, its parts' references by name) -> the model of the reference.
-    flaw: what is wrong with a preset's numbers together, as the rest of a line; "" where nothing is.
-    account: (what, why) of each thing that a material of it holds, for ``vgroove explain``.
-    solid: RGB that a viewport without shaders shows, head-on; None where that is its Fresnel term's.
+    flaw: why a preset's numbers do not go together, as the rest of a line; "" if they do.
+    account: (what, why) of each part of such a material, for ``vgroove explain``.
+    solid: RGB at normal incidence, for viewports without shaders; None: that of its Fresnel term.
     is_diffuse: whether it has a diffuse part. mirrors: whether Mirror mirrors all of it, so that denoisers see that.
-    smooth_estimator: what is exact where m = 0, and draws nothing at random there.
+    smooth_estimator: the estimator that is exact for m = 0 and draws nothing at random there.
     upright: estimators whose closures stand on the shading normal, beside ``estimators.UPRIGHT``.
-    of_cycles: (estimator, backend) -> whether what is built depends on which Cycles it is for.
-    most_lights: by estimator, how many lights fit on Cycles' stack, where eight do not; and in Blender 4.5.
+    of_cycles: (estimator, backend) -> whether the material differs between versions of Cycles.
+    most_lights: by estimator, how many lights fit on Cycles' stack if eight do not; and in Blender 4.5.
     """
 
     name: str
@@ -113,7 +113,7 @@ class Model:
     most_lights_4_5: Mapping[str, int] = field(default_factory=dict)
 
     def parameter(self, name: str) -> Parameter:
-        """The parameter of this name; KeyError if the model has none of its own so called."""
+        """The parameter of this name; KeyError if the model itself has none of this name."""
         return {one.name: one for one in (*self.parameters, *self.lobes)}[name]
 
     @property

@@ -15,12 +15,12 @@ from .spec import Form, Model, Parameter
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-TOGETHER = "; both together at most 1, or more light leaves than arrives"
+AT_MOST_ONE = "; the shares add up to at most 1, or more light would leave than arrives"
 D = Parameter(
-    "d", "Diffuse", "Share of the diffuse part" + TOGETHER, 0.5, 0.0, 1.0, subtype="FACTOR", example="d = 0.6",
+    "d", "Diffuse", "Share of the diffuse part" + AT_MOST_ONE, 0.5, 0.0, 1.0, subtype="FACTOR", example="d = 0.6",
 )  # fmt: skip
 S = Parameter(
-    "s", "Specular", "Share of the specular part" + TOGETHER, 0.5, 0.0, 1.0, subtype="FACTOR", example="s = 0.4",
+    "s", "Specular", "Share of the specular part" + AT_MOST_ONE, 0.5, 0.0, 1.0, subtype="FACTOR", example="s = 0.4",
 )  # fmt: skip
 
 

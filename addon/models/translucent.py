@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 REFLECTANCE = Parameter(
     "reflectance", "Reflectance",
-    "Diffuse reflectance: what a large, evenly lit body sends back of the light that enters it",
+    "Diffuse reflectance: the share of entering light that a large, evenly lit body returns",
     (0.8, 0.8, 0.8), 0.0, 1.0, socket="Color", example="reflectance = [0.8, 0.7, 0.6]",
 )  # fmt: skip
 MEAN_FREE_PATH = Parameter(
-    "mean_free_path", "Mean Free Path", "Of red, green and blue light, in metres: how far it goes between two turns",
+    "mean_free_path", "Mean Free Path", "Mean distance between scattering events, in metres, for R, G and B",
     (1e-3, 1e-3, 1e-3), 0.0, 10.0, unit="m", socket="Vector",
     example="mean_free_path = [0.001, 0.001, 0.001] (metres)",
 )  # fmt: skip
@@ -30,8 +30,8 @@ def _reference(form: Form, parts: dict[str, Any]) -> Sum:
 
 
 def _account(_form: Form) -> Iterator[tuple[str, str]]:
-    yield "body: Cycles' subsurface scattering", "of what the coat lets in, the same for all estimators"
-    yield "coat: cook_torrance", "all of the light that it mirrors"
+    yield "body: Cycles' subsurface scattering", "of the light that the coat lets in; the same for all estimators"
+    yield "coat: cook_torrance", "all of the reflected light"
 
 
 MODEL = Model(

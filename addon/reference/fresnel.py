@@ -131,11 +131,11 @@ class Fresnel(Protocol):
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """The cosines at which F is not smooth, for quadrature."""
+        """Cosines v.h in (0, 1), ascending, near which F bends sharply; () if F is smooth. Quadrature splits there."""
         ...
 
     def __hash__(self) -> int:
-        """So that what is computed for one F can be kept."""
+        """By the parameters, so that results for one F can be cached."""
         ...
 
 

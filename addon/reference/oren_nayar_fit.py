@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 
     from .directions import Floats
 
-LOST = np.pi / 2 - 2.0 / 3.0  # Fujii's albedo at grazing angles over that from above, less 1, per unit of roughness
+GRAZING_LOSS = (
+    np.pi / 2 - 2.0 / 3.0
+)  # Fujii's albedo at grazing angles over that from above, less 1, per unit of roughness
 # Cycles' rounded average of Fujii's albedo, over A and per unit of roughness; exactly it is within 1e-3 of this.
 AVERAGE = (2.0 * np.pi - 5.6) / 3.0
 # Roughness below which Cycles' Diffuse BSDF is Lambert's. There float32 has 0 for the light that a bounce leaves out,
@@ -66,8 +68,8 @@ TABLES = load(Path(__file__).with_suffix(".toml"))
 
 
 def table(kind: str) -> Table:
-    """The numbers of one kind for the Cycles that is meant."""
-    return TABLES[cycles.meant()][kind]
+    """The numbers of one kind for the current version of Cycles."""
+    return TABLES[cycles.version()][kind]
 
 
 def fujii_albedo(cos: ArrayLike, roughness: ArrayLike) -> Floats:
@@ -79,7 +81,7 @@ def fujii_albedo(cos: ArrayLike, roughness: ArrayLike) -> Floats:
     c, r = as_range(cos, "cos", 0.0, 1.0), as_range(roughness, "roughness", 0.0, 1.0)
     s = np.sqrt((1.0 - c) * (1.0 + c))
     grazing = s * c * (1.0 + s + s * s) / (1.0 + s)  # s/c (1 - s^3) without its cancelling at c = 0
-    return (np.pi + r * (s * (np.arccos(c) - s * c) + 2.0 / 3.0 * (grazing - s))) / (np.pi + LOST * r)
+    return (np.pi + r * (s * (np.arccos(c) - s * c) + 2.0 / 3.0 * (grazing - s))) / (np.pi + GRAZING_LOSS * r)
 
 
 def cycles_diffuse(wi: ArrayLike, wo: ArrayLike, color: ArrayLike, roughness: ArrayLike) -> Floats:
@@ -97,7 +99,7 @@ def cycles_diffuse(wi: ArrayLike, wo: ArrayLike, color: ArrayLike, roughness: Ar
     r = as_range(roughness, "roughness", 0.0, 1.0)
     lit = above(wi, wo)
     ni, no = np.where(lit, wi[..., 2], 1.0), np.where(lit, wo[..., 2], 1.0)
-    A = 1.0 / (np.pi + LOST * r)
+    A = 1.0 / (np.pi + GRAZING_LOSS * r)
     s = dot(wi[..., :2], wo[..., :2])
     once = A * (1.0 + r * np.where(s > 0, s / np.maximum(ni, no), s))
     Ea = A * (np.pi + AVERAGE * r)
@@ -144,7 +146,7 @@ def native_albedo(of: Table, x: Floats, color: Floats) -> Floats:
     return color * single + again
 
 
-MEAN = (np.pi + AVERAGE) / (np.pi + LOST)  # Ea at roughness 1
+MEAN = (np.pi + AVERAGE) / (np.pi + GRAZING_LOSS)  # Ea at roughness 1
 
 
 def half_tangent(cos: Floats) -> Floats:

@@ -47,7 +47,7 @@ class Sum:
 
     def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
         """f(wi, wo) in 1/sr, (..., 3)."""
-        return self._left(wo) * self.diffuse.evaluate(wi, wo) + self.s * self.specular.evaluate(wi, wo)
+        return self._diffuse_weight(wo) * self.diffuse.evaluate(wi, wo) + self.s * self.specular.evaluate(wi, wo)
 
     def sample(self, wo: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
         """Draw from one lobe, chosen by u[..., 0] in proportion to d and s.
@@ -75,9 +75,10 @@ class Sum:
 
     def directional_albedo(self, wo: ArrayLike) -> Floats:
         """Directional albedo, (..., 3): the weighted sum of both parts'."""
-        return self._left(wo) * self.diffuse.directional_albedo(wo) + self.s * self.specular.directional_albedo(wo)
+        diffuse = self._diffuse_weight(wo) * self.diffuse.directional_albedo(wo)
+        return diffuse + self.s * self.specular.directional_albedo(wo)
 
-    def _left(self, wo: ArrayLike) -> Floats | float:
+    def _diffuse_weight(self, wo: ArrayLike) -> Floats | float:
         """The diffuse part's weight: d, or d (1 - s E_s(wo)), (..., 3)."""
         return self.d * (1.0 - self.s * self._specular_albedo(wo)) if self.coupled else self.d
 
@@ -90,15 +91,15 @@ class Sum:
         if not isinstance(self.specular, (CookTorrance, Smooth)) or np.ndim(getattr(self.specular, "m", 0.0)):
             return self.specular.directional_albedo(wo)
         cosines, index = np.unique(wo[..., 2], return_inverse=True)
-        new = np.array([cosine for cosine in cosines.tolist() if cosine not in self._known])
+        new = np.array([cosine for cosine in cosines.tolist() if cosine not in self._albedo_cache])
         views = np.stack([np.sqrt((1.0 - new) * (1.0 + new)), 0.0 * new, new], axis=-1)
-        self._known.update(zip(new.tolist(), self.specular.directional_albedo(views), strict=True))
-        values = np.array([self._known[cosine] for cosine in cosines.tolist()]).reshape(-1, 3)
+        self._albedo_cache.update(zip(new.tolist(), self.specular.directional_albedo(views), strict=True))
+        values = np.array([self._albedo_cache[cosine] for cosine in cosines.tolist()]).reshape(-1, 3)
         return values[index.reshape(wo.shape[:-1])]
 
     @cached_property
-    def _known(self) -> dict[float, Floats]:
-        """E_s by n.v, as far as it was needed."""
+    def _albedo_cache(self) -> dict[float, Floats]:
+        """E_s (3,) by n.v, for the cosines evaluated so far."""
         return {}
 
     def _specular_share(self) -> float:

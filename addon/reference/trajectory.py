@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a parameter of a material goes with time: laws in closed form, measured keys, and a clock for each point.
+"""How a parameter of a material changes over time: laws in closed form, measured keys, and a clock for each point.
 
-A law starts at a value at ``begin``, holds it before, and is never asked beyond the ends of its trajectory, which hold
-the values there. t has any shape (...); a law's values are (...) for a number and (..., 3) for RGB.
+A law has its first value until ``begin``. It is evaluated only between the ends of its trajectory; beyond, the values
+there hold. t and ``begin`` are in the trajectory's unit of time (``timeline.UNITS``: s to years, or a share of the
+whole), rates in 1 over it. t has any shape (...); values are (...) for a number and (..., 3) for RGB, in the
+parameter's unit.
 
-Between keys numbers and colours (in linear light) go straight, slopes m geometrically: straight in log m, as a slope
-that doubles looks like the same step wherever it starts.
+Between keys numbers and colours (in linear light) are interpolated linearly, slopes m linearly in log m: doubling a
+slope looks like the same step wherever it starts.
 
 Source: Gu et al. 2006, "Time-varying surface appearance", for p(x, t) = p(rate(x) t - offset(x)). The laws are the
 textbooks': first-order decay, its reciprocal, the logistic curve, powers (parabolic growth of films is the power 1/2).
@@ -32,11 +34,11 @@ class Law(Protocol):
     """A parameter's value over time."""
 
     def __call__(self, t: ArrayLike) -> Floats:
-        """Value at times t (...): (...) or (..., 3)."""
+        """Values (...) or (..., 3) at times t (...). ValueError for t that is not finite."""
         ...
 
     def events(self) -> Floats:
-        """Times near which the law may bend sharply, for those who sample it."""
+        """Times (n,) near which the law may bend sharply, for whoever samples it."""
         ...
 
 

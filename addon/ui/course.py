@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The courses of materials that change: how Apply plays them, and what can be done to them. Each is one undo step."""
+"""Animate materials that change over time: how Apply does it, and the operators on it. Each is one undo step."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 CURVES = (
     "F-curves on the inputs that change, to edit in the Graph Editor; "
-    f"no two keys are nearer than {fcurves.CLOSEST:g} frames, so that the steepest step takes as long"
+    f"the shortest step between keys is {fcurves.CLOSEST:g} frames"
 )
 
 
@@ -33,12 +33,12 @@ def ours(context: bpy.types.Context) -> list[bpy.types.Material]:
 
 
 def moving(context: bpy.types.Context) -> list[bpy.types.Material]:
-    """Those of them that play a course, by curves or by Age."""
+    """Those of them that are animated, by curves or by Age."""
     return [one for one in ours(context) if material.plays(one)]
 
 
 class _Course:
-    """What the operators share: they work on the materials of the selected objects, and refuse in words."""
+    """What the operators share: they work on the materials of the selected objects, and say why if they cannot."""
 
     bl_options = {"REGISTER", "UNDO"}
     needs = staticmethod(moving)
@@ -49,7 +49,7 @@ class _Course:
         poll_message_set: Any
 
     def do(self, context: bpy.types.Context, one: bpy.types.Material) -> None:
-        """What is done to one material."""
+        """Change one material."""
         raise NotImplementedError
 
     @classmethod
@@ -75,13 +75,13 @@ class _Course:
 
 
 class VGROOVE_OT_course_add(_Course, bpy.types.Operator):
-    """Have the materials of the selected objects change over time as their presets say, by the settings above."""
+    """Animate the selected objects' materials as their presets say, with the settings above."""
 
     bl_idname = "vgroove.course_add"
-    bl_label = "Add Course"
-    bl_description = "Have the materials of the selected objects change over time as their presets say, as set above"
+    bl_label = "Add Animation"
+    bl_description = "Animate the selected objects' materials"
     wanting = "Select objects whose active material came from a preset that changes over time"
-    done = "Changes over time now"
+    done = "Animated"
 
     @staticmethod
     def needs(context: bpy.types.Context) -> list[bpy.types.Material]:
@@ -105,11 +105,11 @@ class VGROOVE_OT_course_retime(_Course, bpy.types.Operator):
 
 
 class VGROOVE_OT_course_reverse(_Course, bpy.types.Operator):
-    """Play the course backwards over the same frames."""
+    """Play the animation backwards over the same frames."""
 
     bl_idname = "vgroove.course_reverse"
     bl_label = "Reverse"
-    bl_description = "Play the courses of the selected objects' materials backwards, over the same frames"
+    bl_description = "Play the animation of the selected objects' materials backwards, over the same frames"
     done = "Reversed"
 
     def do(self, _context: bpy.types.Context, one: bpy.types.Material) -> None:
@@ -117,13 +117,13 @@ class VGROOVE_OT_course_reverse(_Course, bpy.types.Operator):
 
 
 class VGROOVE_OT_course_bake(_Course, bpy.types.Operator):
-    """Turn courses that Age drives into F-curves on the inputs."""
+    """Turn animations that Age drives into F-curves on the inputs."""
 
     bl_idname = "vgroove.course_bake"
     bl_label = "Bake to Curves"
-    bl_description = "Turn courses that Age drives into F-curves on the inputs, to edit them in the Graph Editor"
+    bl_description = "Turn animations that Age drives into F-curves on the inputs, to edit in the Graph Editor"
     wanting = "Select objects whose active material is driven by Age"
-    done = "Has curves now"
+    done = "Baked"
 
     @staticmethod
     def needs(context: bpy.types.Context) -> list[bpy.types.Material]:
@@ -134,14 +134,12 @@ class VGROOVE_OT_course_bake(_Course, bpy.types.Operator):
 
 
 class VGROOVE_OT_course_remove(_Course, bpy.types.Operator):
-    """Take the course away: the material stays as the current frame shows it."""
+    """Remove the animation; the material keeps the look of the current frame."""
 
     bl_idname = "vgroove.course_remove"
-    bl_label = "Remove Course"
-    bl_description = (
-        "Take the courses of the selected objects' materials away; they stay as the current frame shows them"
-    )
-    done = "Stands still now"
+    bl_label = "Remove Animation"
+    bl_description = "Remove the animation; materials keep the look of the current frame"
+    done = "Animation removed"
 
     def do(self, _context: bpy.types.Context, one: bpy.types.Material) -> None:
         material.stop(one)
@@ -164,56 +162,62 @@ def _in_seconds(name: str) -> dict[str, Any]:
 
 
 class VGrooveCourse(bpy.types.PropertyGroup):
-    """How a preset that changes is played."""
+    """How Apply animates a preset that changes over time."""
 
     play: bpy.props.BoolProperty(
-        name="Play Its Course",
-        description="Apply has the material change over time; without it, the material stays as it is at the start",
+        name="Animate",
+        description="Apply also animates the material; otherwise it keeps its first state",
         default=True,
     )
     driving: bpy.props.EnumProperty(
         name="Driven by",
-        description="What plays the course",
+        description="What drives the animation",
         items=(
             ("curves", "Curves", CURVES, "FCURVE", 0),
-            ("age", "Age", "One keyed Age: textures can drive each point's Rate and Offset", "TIME", 1),
+            ("age", "Age", "One keyed Age; textures can drive the Rate and Offset of each point", "TIME", 1),
         ),
         default="curves",
     )
     unit: bpy.props.EnumProperty(
         name="Unit",
-        description="In what start and length are given",
+        description="Unit of start and length",
         items=(("frames", "Frames", "Frames of the scene", 0), ("seconds", "Seconds", "At the scene's frame rate", 1)),
         default="frames",
     )
     start: bpy.props.FloatProperty(
-        name="Start", description="Frame at which the course begins; before it the material is as at the start",
+        name="Start", description="First frame of the change",
         default=1.0, soft_min=0.0, soft_max=1000.0, min=course.FRAMES[0], max=course.FRAMES[1], precision=2,
     )  # fmt: skip
     length: bpy.props.FloatProperty(
-        name="Length", description="For how many frames the course goes; after them the material is as at the end",
+        name="Length", description="Duration in frames",
         default=240.0, soft_min=1.0, soft_max=1000.0, min=course.LENGTHS[0], max=course.LENGTHS[1], precision=2,
     )  # fmt: skip
     start_seconds: bpy.props.FloatProperty(
-        name="Start", description="When the course begins, in seconds from frame 0", unit="TIME_ABSOLUTE",
+        name="Start", description="Start of the change, in seconds from frame 0", unit="TIME_ABSOLUTE",
         min=-1e5, max=1e5, **_in_seconds("start"),
     )  # fmt: skip
     length_seconds: bpy.props.FloatProperty(
-        name="Length", description="For how many seconds the course goes", unit="TIME_ABSOLUTE",
+        name="Length", description="Duration in seconds", unit="TIME_ABSOLUTE",
         min=1e-7, max=1e7, **_in_seconds("length"),
     )  # fmt: skip
     tolerance: bpy.props.FloatProperty(
         name="Tolerance",
-        description="By how much of a parameter's range its keys may miss its law; less takes more keys",
+        description="Largest error of the keys, as a share of the parameter's range; smaller needs more keys",
         default=100.0 * TOLERANCE, min=100.0 * TOLERANCES[0], max=100.0 * TOLERANCES[1], soft_min=0.01,
         subtype="PERCENTAGE", precision=3,
     )  # fmt: skip
     interpolation: bpy.props.EnumProperty(
         name="Between Keys",
-        description="How curves go from key to key; a course driven by Age goes straight",
+        description="Interpolation of the curves; Age is always straight",
         items=(
-            ("linear", "Straight", "Straight lines: what Age plays as well, and what was measured", "IPO_LINEAR", 0),
-            ("shape", "Shape", "Handles that follow the law's shape: fewer keys, and none overshoots", "IPO_BEZIER", 1),
+            ("linear", "Straight", "Straight lines: the same as Age, and as measured", "IPO_LINEAR", 0),
+            (
+                "shape",
+                "Shape",
+                "Handles that follow the shape of the change: fewer keys, no overshoot",
+                "IPO_BEZIER",
+                1,
+            ),
         ),
         default="linear",
     )
@@ -235,12 +239,12 @@ def _key_count(text: str, tolerance: float, interpolation: str) -> int:
 
 
 def key_count(preset: presets.Preset, tolerance: float, interpolation: str) -> int:
-    """How many keys a preset's course takes. Kept by what the preset holds: a file of the user's may change."""
+    """How many keys a preset's animation needs. Cached by the preset's contents, as a user's file may change."""
     return _key_count(preset_files.dumps(preset), tolerance, interpolation)
 
 
 class VGROOVE_PT_course(bpy.types.Panel):
-    """How the chosen preset changes over time, and what the active material's course can be made to do."""
+    """How the chosen preset changes over time, and the operators on the active material's animation."""
 
     bl_label = "Change Over Time"
     bl_parent_id = "VGROOVE_PT_material"
@@ -261,7 +265,7 @@ class VGROOVE_PT_course(bpy.types.Panel):
         if preset.time is not None:
             of = preset.time
             names = ", ".join(material.socket_name(name) for name in of.laws)
-            span = "its whole course" if of.unit == "share" else f"{of.start:g} to {of.end:g} {of.unit}"
+            span = "its whole duration" if of.unit == "share" else f"{of.start:g} to {of.end:g} {of.unit}"
             lines(layout, f"{preset.name} ({of.kind}) changes over {span}: {names}", context.region.width)
             layout.prop(settings, "play")
         draw_settings(layout, settings, preset)
@@ -279,7 +283,7 @@ class VGROOVE_PT_course(bpy.types.Panel):
 
 
 def draw_settings(layout: bpy.types.UILayout, settings: VGrooveCourse, preset: presets.Preset) -> None:
-    """Driving, start and length, and how near the keys are."""
+    """Driving, start, length, and tolerance of the keys."""
     column = layout.column()
     column.row().prop(settings, "driving", expand=True)
     column.row().prop(settings, "unit", expand=True)

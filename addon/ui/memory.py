@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist liked and used, kept with Blender's preferences and so in every file."""
+"""An artist's favourite and recent presets. They are stored in Blender's preferences, so every file shares them."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ def preferences() -> VGroovePreferences | None:
 
 
 def favourites() -> list[str]:
-    """Ids of presets, first those that were marked first."""
-    kept = preferences()
-    return kept.favourites.split() if kept else []
+    """Ids of presets, in the order in which they were marked."""
+    found = preferences()
+    return found.favourites.split() if found else []
 
 
 def recent() -> list[str]:
-    """Ids of presets that were applied, the last one first."""
-    kept = preferences()
-    return kept.recent.split() if kept else []
+    """Ids of presets that were applied, the latest first."""
+    found = preferences()
+    return found.recent.split() if found else []
 
 
 def toggle_favourite(identity: str) -> bool:
-    """Mark a preset as liked, or no longer; whether it is now."""
-    kept = preferences()
-    if kept is None:
+    """Mark a preset as a favourite, or unmark it; whether it is one now."""
+    found = preferences()
+    if found is None:
         return False
     ids = favourites()
     liked = identity not in ids
-    kept.favourites = " ".join([*ids, identity] if liked else [one for one in ids if one != identity])
-    bpy.context.preferences.is_dirty = True  # so that Blender saves them, if it was told to
+    found.favourites = " ".join([*ids, identity] if liked else [one for one in ids if one != identity])
+    bpy.context.preferences.is_dirty = True  # so that Blender saves them, if Auto-Save Preferences is on
     return liked
 
 
 def used(identity: str) -> None:
     """Remember that a preset was applied."""
-    kept = preferences()
-    if kept is not None:
+    found = preferences()
+    if found is not None:
         others = [one for one in recent() if one != identity]
-        kept.recent = " ".join([identity, *others][:MOST_RECENT])
+        found.recent = " ".join([identity, *others][:MOST_RECENT])
         bpy.context.preferences.is_dirty = True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tells of materials in a file just opened that another Blender built and this one renders otherwise."""
+"""Warns of materials in an opened file that were built in another Blender and render differently in this one."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ WIDTH = 420
 
 
 def draw(popup: bpy.types.Menu, context: bpy.types.Context) -> None:
-    """The problem, in words, and the button that mends it."""
+    """The problem, in words, and the button that fixes it."""
     for problem in advice.cycles_problems(context.scene):
         lines(popup.layout, problem.text, WIDTH)
-        if problem.mend:
+        if problem.fix:
             popup.layout.operator("vgroove.mend", text=problem.button, icon="FILE_REFRESH").key = problem.key
 
 
 @bpy.app.handlers.persistent
 def _on_file(*_: object) -> None:
-    """Tell it once Blender has a window to tell it in; on the console where it has none."""
+    """Print the problems on the console, and show them in a window once Blender has one."""
     found = list(advice.cycles_problems(bpy.context.scene))
     for problem in found:
         print(f"V-Groove: {problem.text}")
     if found and not bpy.app.background:
-        bpy.app.timers.register(_tell, first_interval=0.1)
+        bpy.app.timers.register(_show, first_interval=0.1)
 
 
-def _tell() -> None:
+def _show() -> None:
     manager = bpy.context.window_manager
     if manager.windows:
         with bpy.context.temp_override(window=manager.windows[0]):  # a timer has none
@@ -44,5 +44,5 @@ def register() -> None:
 def unregister() -> None:
     """No longer."""
     bpy.app.handlers.load_post.remove(_on_file)
-    if bpy.app.timers.is_registered(_tell):
-        bpy.app.timers.unregister(_tell)
+    if bpy.app.timers.is_registered(_show):
+        bpy.app.timers.unregister(_show)

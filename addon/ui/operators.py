@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Apply a preset to the selected objects, mend the scene, and keep presets. What changes the file is one undo step."""
+"""Apply a preset to the selected objects, fix the scene, save presets. Each change of the file is one undo step."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..blender import facts, material, slots
-from ..blender.rebuild import AS_IT_IS, rebuild, reset
+from ..blender.rebuild import UNCHANGED, rebuild, reset
 from ..choose import advice, automatic
 from ..library import presets
 from ..library import writing as preset_files
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from ..blender.facts import SceneFacts
 
 FILE_PATH = bpy.props.StringProperty(
-    name="File Path", description="The preset's file", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}
+    name="File Path", description="The preset file", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}
 )
 
 
 class VGROOVE_OT_apply(bpy.types.Operator):
-    """Give the chosen preset to the active material slot of every selected object."""
+    """Apply the preset to the active material slot of every selected object."""
 
     bl_idname = "vgroove.apply"
     bl_label = "Apply to Selected Objects"
-    bl_description = "Give the chosen preset to the active material slot of every selected object"
+    bl_description = "Apply the preset to the active material slot of every selected object"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -56,7 +56,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
             self.report({"ERROR"}, _in_one_line(refused))
             return {"CANCELLED"}
         if in_parts and not slots.parts_selected(context):
-            self.report({"ERROR"}, "No face is selected; select those that should get the material, or leave Edit Mode")
+            self.report({"ERROR"}, "Select faces first, or leave Edit Mode")
             return {"CANCELLED"}
         try:
             preset, backend, estimator = chosen_preset(settings), settings.backend, chosen_estimator(context.scene)
@@ -67,7 +67,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
             for made in dict.fromkeys(same.values()):
                 lost += rebuild(
                     made, context.scene, backend=backend, estimator=estimator, bound=bound,
-                    play=play if preset.time else AS_IT_IS,
+                    play=play if preset.time else UNCHANGED,
                 )  # fmt: skip
             others = [item for item in able if item not in same]
             if others:
@@ -82,9 +82,9 @@ class VGROOVE_OT_apply(bpy.types.Operator):
             return {"CANCELLED"}
         memory.used(preset.id)
         count = f"{len(able)} object{'s' * (len(able) > 1)}"
-        text = f"{preset.name} ({estimator}, {backend}) given to {'what is selected in ' * in_parts}{count}"
+        text = f"{preset.name} ({estimator}, {backend}) applied to {'the selection in ' * in_parts}{count}"
         if also := [item.name for item in slots.sharing(able) if item not in able]:
-            text += f", and to {', '.join(also)}, which share{'s' * (len(also) == 1)} their mesh"
+            text += f" and to {', '.join(also)} (same mesh)"
         left = [
             slots.refusal(item) for item in context.selected_objects if item.type in slots.TYPES and item not in able
         ]
@@ -93,7 +93,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
 
 
 def _is_of(item: bpy.types.Object, preset: presets.Preset) -> bool:
-    """Whether an object's active material was built from just this preset and can be changed in place."""
+    """Whether an object's active material was built from exactly this preset and can be changed in place."""
     made = item.active_material
     if made is None or not material.is_ours(made) or material.locked(made):
         return False
@@ -109,13 +109,13 @@ def _in_one_line(texts: list[str]) -> str:
 
 
 class VGROOVE_OT_update(bpy.types.Operator):
-    """Rebuild the materials of the selected objects in place, by the estimator above and for the scene's lights."""
+    """Rebuild the materials of the selected objects in place, with the settings above and the scene's lights."""
 
     bl_idname = "vgroove.update"
     bl_label = "Update"
     bl_description = (
-        "Rebuild the materials of the selected objects in place, by the choice above and for the scene's lights. "
-        "Values, textures, links and keys stay"
+        "Rebuild the materials of the selected objects in place, with the settings above and the scene's current "
+        "lights. Values, textures, links and keys stay"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -145,16 +145,16 @@ class VGROOVE_OT_update(bpy.types.Operator):
 
 
 class VGROOVE_OT_mend(bpy.types.Operator):
-    """Change the setting that keeps the chosen estimator from rendering as it should."""
+    """Fix a scene setting that would spoil the render."""
 
     bl_idname = "vgroove.mend"
-    bl_label = "Mend"
-    bl_description = "Change the setting that keeps the chosen estimator from rendering as it should"
+    bl_label = "Fix"
+    bl_description = "Fix this setting"
     bl_options = {"REGISTER", "UNDO"}
 
     key: bpy.props.StringProperty(
         name="Problem",
-        description="Which of the listed problems to mend; if empty, all whose mending costs nothing elsewhere",
+        description="Which listed problem to fix; if empty, all fixes without side effects",
         options={"HIDDEN"},
     )
 
@@ -162,57 +162,53 @@ class VGROOVE_OT_mend(bpy.types.Operator):
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         found = next((p for p in current_problems(watch.current(context.scene)) if p.key == properties.key), None)
         if found is None:
-            return "Press the buttons below that cost nothing elsewhere in the scene; lists them first"
-        return f"{found.button}. {found.text}" + (f". Costs {found.costs}" if found.costs else "")
+            return "Fix everything that has no side effects; shows the list first"
+        return f"{found.button}. {found.text}" + (f". Side effect: {found.costs}" if found.costs else "")
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         if self.key:
             return self.execute(context)
-        return context.window_manager.invoke_props_dialog(self, width=420, title="Mend All", confirm_text="Mend")
+        return context.window_manager.invoke_props_dialog(self, width=420, title="Fix All", confirm_text="Fix")
 
     def draw(self, context: bpy.types.Context) -> None:
-        found = [p for p in current_problems(watch.current(context.scene)) if p.mend]
+        found = [p for p in current_problems(watch.current(context.scene)) if p.fix]
         column = self.layout.column(align=True)
         for problem in found:
             if not problem.costs:
                 column.label(text=problem.button, icon="CHECKMARK")
         if costly := [p for p in found if p.costs]:
-            column.label(text="Left alone, each with its own button:")
+            column.label(text="Not included, use their own buttons:")
             for problem in costly:
-                column.label(text=f"{problem.button}: costs {problem.costs}", icon="X")
+                column.label(text=f"{problem.button}. Side effect: {problem.costs}", icon="X")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        found = [p for p in current_problems(context.scene) if p.mend]
-        mendable = [p for p in found if (p.key == self.key if self.key else not p.costs)]
+        found = [p for p in current_problems(context.scene) if p.fix]
+        fixable = [p for p in found if (p.key == self.key if self.key else not p.costs)]
         try:
-            for problem in mendable:
-                if problem.mend:
-                    problem.mend()
+            for problem in fixable:
+                if problem.fix:
+                    problem.fix()
         except InputError as error:
             self.report({"ERROR"}, str(error))
-            return {"FINISHED"}  # of what was mended before it
-        if not mendable:
-            left = (
-                "what is left costs something elsewhere and has its own button"
-                if found
-                else "the scene suits the choice"
-            )
-            self.report({"INFO"}, f"Nothing to mend: {left}")
-        return {"FINISHED"} if mendable else {"CANCELLED"}
+            return {"FINISHED"}  # the fixes before it stay
+        if not fixable:
+            left = ": the remaining fixes have side effects; use their buttons" if found else ""
+            self.report({"INFO"}, f"Nothing to fix{left}")
+        return {"FINISHED"} if fixable else {"CANCELLED"}
 
 
 class VGROOVE_OT_favourite(bpy.types.Operator):
-    """Mark the chosen preset with a star, or take the star away."""
+    """Mark the preset with a star, or remove the star."""
 
     bl_idname = "vgroove.favourite"
     bl_label = "Favourite"
-    bl_description = "Mark the chosen preset with a star, or take the star away"
+    bl_description = "Mark the preset with a star, or remove the star"
     bl_options = {"INTERNAL"}  # preferences have no undo
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
         if memory.preferences() is None:
-            cls.poll_message_set("Favourites are kept with the installed extension's preferences")
+            cls.poll_message_set("Favourites need the installed extension")
             return False
         return True
 
@@ -222,11 +218,11 @@ class VGROOVE_OT_favourite(bpy.types.Operator):
 
 
 class VGROOVE_OT_copy_citation(bpy.types.Operator):
-    """Copy where the numbers of the chosen preset come from."""
+    """Copy the source of this preset's numbers."""
 
     bl_idname = "vgroove.copy_citation"
     bl_label = "Copy Citation"
-    bl_description = "Copy where the numbers of the chosen preset come from, to paste into a text"
+    bl_description = "Copy the source of this preset's numbers"
     bl_options = {"INTERNAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -236,11 +232,11 @@ class VGROOVE_OT_copy_citation(bpy.types.Operator):
 
 
 class VGROOVE_OT_reset(bpy.types.Operator):
-    """Give the active material the preset's own numbers again."""
+    """Restore the preset's values in the active material."""
 
     bl_idname = "vgroove.reset"
     bl_label = "Reset to Preset"
-    bl_description = "Give the active material the preset's own numbers again"
+    bl_description = "Restore the preset's values"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -256,19 +252,19 @@ class VGROOVE_OT_reset(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if left:
-            self.report({"WARNING"}, ". ".join([f"{made.name} has the preset's numbers again", *left]))
+            self.report({"WARNING"}, ". ".join([f"{made.name} was reset", *left]))
         return {"FINISHED"}
 
 
 class VGROOVE_OT_save_preset(bpy.types.Operator):
-    """Keep the active material's numbers as a preset of one's own."""
+    """Save the active material's values as a preset in the user's folder."""
 
     bl_idname = "vgroove.save_preset"
     bl_label = "Save as My Preset"
-    bl_description = "Keep the active material's numbers as a preset of your own, in your folder; it is offered at once"
+    bl_description = "Save the material's current values as a preset in your folder"
     bl_options = {"REGISTER", "UNDO"}  # of the choice; the file stays
 
-    name: bpy.props.StringProperty(name="Name", description="What the preset is to be called", maxlen=60)
+    name: bpy.props.StringProperty(name="Name", description="Name of the preset", maxlen=60)
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -288,16 +284,16 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
         source = dict(preset.source)
         if material.is_edited(made):
             source |= {"data": f"edited from {preset.id}, whose source is: {source['data']}"}
-        kept = replace(preset, name=self.name, source=source)
-        return _keep(self, context, lambda folder: preset_files.save(kept, folder))
+        edited = replace(preset, name=self.name, source=source)
+        return _save(self, context, lambda folder: preset_files.save(edited, folder))
 
 
 class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
-    """Copy a preset's file into one's own folder."""
+    """Copy a preset file into the user's folder."""
 
     bl_idname = "vgroove.import_preset"
     bl_label = "Import Preset"
-    bl_description = "Copy a preset's file into your own folder; it is offered at once"
+    bl_description = "Copy a preset file into your folder"
     bl_options = {"REGISTER", "UNDO"}  # of the choice; the file stays
 
     filename_ext = ".toml"
@@ -309,15 +305,17 @@ class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
         return _poll_folder(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        return _keep(self, context, lambda folder: preset_files.take(Path(bpy.path.abspath(self.filepath)), folder))
+        return _save(
+            self, context, lambda folder: preset_files.import_file(Path(bpy.path.abspath(self.filepath)), folder)
+        )
 
 
 class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
-    """Write the chosen preset to a file."""
+    """Write the preset to a file."""
 
     bl_idname = "vgroove.export_preset"
     bl_label = "Export Preset"
-    bl_description = "Write the chosen preset to a file, to send or to change"
+    bl_description = "Write the preset to a file, to share or edit"
     bl_options = {"REGISTER"}
 
     filename_ext = ".toml"
@@ -340,24 +338,24 @@ class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
         return {"FINISHED"}
 
 
-def _keep(operator: bpy.types.Operator, context: bpy.types.Context, keep: Callable[[Path], presets.Preset]) -> set[str]:
-    """Have a preset put into the user's folder, and choose it."""
+def _save(operator: bpy.types.Operator, context: bpy.types.Context, save: Callable[[Path], presets.Preset]) -> set[str]:
+    """Save a preset in the user's folder, and choose it."""
     folder = presets.user_folder()
     try:
-        kept = keep(folder) if folder else None
+        saved = save(folder) if folder else None
     except (InputError, OSError) as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
-    if kept is None:
+    if saved is None:
         return {"CANCELLED"}
-    context.scene.vgroove.preset = kept.id
-    operator.report({"INFO"}, f"{kept.name} is kept in {folder}")
+    context.scene.vgroove.preset = saved.id
+    operator.report({"INFO"}, f"{saved.name} saved in {folder}")
     return {"FINISHED"}
 
 
 def _poll_folder(operator: type[bpy.types.Operator]) -> bool:
     if presets.user_folder() is None:
-        operator.poll_message_set("Needs a folder of your own: install the extension, or set VGROOVE_PRESETS")
+        operator.poll_message_set("No preset folder: install the extension, or set VGROOVE_PRESETS")
         return False
     return True
 
@@ -387,11 +385,11 @@ def citation(preset: presets.Preset) -> str:
 
 def chosen_estimator(shown: bpy.types.Scene | SceneFacts) -> str:
     """The panel's estimator, with ``auto`` decided."""
-    return chosen(shown).estimator
+    return pick(shown).estimator
 
 
-def chosen(shown: bpy.types.Scene | SceneFacts) -> automatic.Pick:
-    """The panel's estimator and why it is taken, where the panel did not ask for it or the model lacks it."""
+def pick(shown: bpy.types.Scene | SceneFacts) -> automatic.Pick:
+    """The panel's estimator; and why another one is used, where the panel says Automatic or the model lacks it."""
     known = facts.of(shown)
     settings = known.scene.vgroove
     preset = chosen_preset(settings)
@@ -401,11 +399,11 @@ def chosen(shown: bpy.types.Scene | SceneFacts) -> automatic.Pick:
     if settings.estimator == "auto":
         return picked
     wanted = advice.name_of(settings.estimator)
-    return automatic.Pick(picked.estimator, f"{preset.name} has no {wanted} and gets Standard: {picked.why}")
+    return automatic.Pick(picked.estimator, f"{preset.name} has no {wanted}; Standard is used: {picked.why}")
 
 
 def current_problems(shown: bpy.types.Scene | SceneFacts) -> list[advice.Problem]:
-    """What is wrong with the scene for the panel's choices."""
+    """The scene settings that would spoil the render, for the panel's settings."""
     known = facts.of(shown)
     settings = known.scene.vgroove
     return advice.problems_with(known, chosen_preset(settings), settings.backend, chosen_estimator(known))

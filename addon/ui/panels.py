@@ -32,10 +32,10 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
         draw_choice(layout, settings, preset)
         column = layout.column()
         column.row().prop(settings, "backend", expand=True)
-        picked = operators.chosen(watch.current(context.scene))
+        picked = operators.pick(watch.current(context.scene))
         if _shows_estimators(settings):
             column.prop(settings, "estimator")
-            split = column.split(factor=0.4)  # under the menu, and kept when nothing is picked: buttons must not jump
+            split = column.split(factor=0.4)  # stays when nothing is picked, or buttons would jump
             split.label()
             split.label(text=f"Picks {picked.estimator.title()} here" if settings.estimator == "auto" else "")
         else:
@@ -49,12 +49,12 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
             lines(layout, picked.why[0].upper() + picked.why[1:], context.region.width)
         if text := versions.untested():
             lines(layout, text, context.region.width, icon="INFO")
-        for error in presets.refused()[:1]:
-            lines(layout, f"Left out of your presets: {error}", context.region.width, icon="ERROR")
+        for error in presets.load_errors()[:1]:
+            lines(layout, f"Preset skipped: {error}", context.region.width, icon="ERROR")
 
 
 class VGROOVE_PT_parameters(_InSidebar, bpy.types.Panel):
-    """The numbers of the active object's material."""
+    """The parameters of the active object's material."""
 
     bl_label = "Edit Parameters"
     bl_parent_id = "VGROOVE_PT_material"
@@ -65,13 +65,13 @@ class VGROOVE_PT_parameters(_InSidebar, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         if made is None:
-            lines(layout, "Apply a preset; what it is made of can then be changed here", context.region.width)
+            lines(layout, "Apply a preset to edit its parameters here", context.region.width)
             return
         layout.label(text=made.name, icon="MATERIAL")
         column = layout.column()
         sockets = material.parameter_sockets(made).values()
         if not sockets:
-            lines(layout, "Its node group was deleted; Reset to Preset makes it again", context.region.width)
+            lines(layout, "Its node group was deleted; Reset to Preset restores it", context.region.width)
         for socket in sockets:
             if not socket.is_linked:
                 column.prop(socket, "default_value", text=socket.name)
@@ -93,12 +93,12 @@ class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
         width = context.region.width
         lines(layout, f"Source: {preset.source['data']}", width)
         if "trust" in preset.source:
-            lines(layout, f"Trust: {preset.source['trust']}", width)
+            lines(layout, f"Reliability: {preset.source['trust']}", width)
         if preset.notes:
             lines(layout, preset.notes, width)
         if preset.m_range:
-            low, high = preset.m_range
-            lines(layout, f"Recommended slope m: {low:g} to {high:g}", width)
+            low, high = (m**0.5 for m in preset.m_range)  # as Blender's own Roughness
+            lines(layout, f"Recommended roughness: {low:.2g} to {high:.2g}", width)
         layout.operator("vgroove.copy_citation", icon="COPYDOWN")
         row = layout.row(align=True)
         row.operator("vgroove.import_preset", text="Import", icon="IMPORT")
@@ -106,7 +106,7 @@ class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
 
 
 class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
-    """What keeps the chosen estimator from rendering as it should."""
+    """Scene settings that would spoil the render, with a button to fix each."""
 
     bl_label = "Scene Advice"
     bl_parent_id = "VGROOVE_PT_material"
@@ -118,20 +118,20 @@ class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         found = operators.current_problems(watch.current(context.scene))
         if not found:
-            self.layout.label(text="This scene suits the choice", icon="CHECKMARK")
-        if sum(problem.mend is not None and not problem.costs for problem in found) > 1:
-            self.layout.operator("vgroove.mend", text="Mend All", icon="CHECKMARK").key = ""
+            self.layout.label(text="No problems found", icon="CHECKMARK")
+        if sum(problem.fix is not None and not problem.costs for problem in found) > 1:
+            self.layout.operator("vgroove.mend", text="Fix All", icon="CHECKMARK").key = ""
         for problem in found:
             box = self.layout.box()
             lines(box, problem.text, context.region.width, icon="ERROR")
-            if problem.mend:
+            if problem.fix:
                 box.operator("vgroove.mend", text=problem.button).key = problem.key
 
 
 def _shows_estimators(settings: bpy.types.PropertyGroup) -> bool:
-    """If the preferences say so, and where the file has one chosen that is no quality of its own."""
-    kept = memory.preferences()
-    return settings.estimator not in properties.STORED or bool(kept and kept.show_estimators)
+    """If the preferences say so, or the file uses an estimator that is no quality of its own."""
+    preferences = memory.preferences()
+    return settings.estimator not in properties.STORED or bool(preferences and preferences.show_estimators)
 
 
 def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, preset: presets.Preset) -> None:
@@ -145,7 +145,7 @@ def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, p
     row.prop(settings, "shown", text="")
     star = "SOLO_ON" if preset.id in memory.favourites() else "SOLO_OFF"
     row.operator("vgroove.favourite", text="", icon=star)
-    if not properties.found(settings):
+    if not properties.matching(settings):
         column.label(text="No match. Choose All or clear the search", icon="INFO")
 
 

@@ -11,11 +11,11 @@ ROOT = __package__.removesuffix(".addon.ui")
 
 
 class VGROOVE_OT_asset_library(bpy.types.Operator):
-    """Add the materials to Blender's asset libraries, or take them out again."""
+    """Add the materials to Blender's asset libraries, or remove them."""
 
     bl_idname = "vgroove.asset_library"
     bl_label = "Asset Library"
-    bl_description = "Add all materials to Blender's asset libraries, or take them out; what was appended stays"
+    bl_description = "Add all materials to Blender's asset libraries, or remove them; appended materials stay"
     bl_options = {"REGISTER", "INTERNAL"}  # preferences have no undo
 
     shown: bpy.props.BoolProperty(name="Shown", description="Whether the Asset Browser shows the materials")
@@ -33,18 +33,18 @@ class VGROOVE_OT_asset_library(bpy.types.Operator):
 
 
 class VGroovePreferences(bpy.types.AddonPreferences):
-    """What the panel offers at first, and what an artist liked."""
+    """What the panel shows, and an artist's favourite and recent presets."""
 
     bl_idname = ROOT
 
     show_advice: bpy.props.BoolProperty(
         name="Show Scene Advice",
-        description="List in the panel what keeps the chosen estimator from rendering as it should",
+        description="List scene settings that would spoil the render",
         default=True,
     )
     show_estimators: bpy.props.BoolProperty(
         name="Show Estimators",
-        description="Offer all six ways to render a model by name, in place of the three qualities",
+        description="Show the six estimators by name instead of the three qualities",
         default=False,
     )
     favourites: bpy.props.StringProperty(
@@ -56,11 +56,11 @@ class VGroovePreferences(bpy.types.AddonPreferences):
         column = self.layout.column()
         column.prop(self, "show_advice")
         column.prop(self, "show_estimators")
-        there = assets.registered() is not None
+        there = assets.find_library() is not None
         text = "Remove from the Asset Browser" if there else "Show in the Asset Browser"
         column.operator("vgroove.asset_library", text=text, icon="ASSET_MANAGER").shown = not there
         if assets.folder() is None:
-            column.label(text="This copy came without its asset library", icon="INFO")
+            column.label(text="Asset library not included in this copy", icon="INFO")
 
 
 CLASSES = (VGROOVE_OT_asset_library, VGroovePreferences)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel's choices, kept with the scene."""
+"""The panel's settings, stored with the scene."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ BACKENDS = (
     (
         "nodes",
         "Nodes",
-        "Plain shader nodes, for every device; EEVEE shows Closure, whichever estimator is chosen",
+        "Shader nodes, for every device. EEVEE always shows Closure",
         "NODETREE",
         0,
     ),
-    ("osl", "OSL", "Open Shading Language: CPU and OptiX only; switch it on in the render properties", "SCRIPT", 1),
+    ("osl", "OSL", "Open Shading Language: CPU and OptiX only. Switch it on in the render properties", "SCRIPT", 1),
 )
 QUALITIES = (
     (
         "standard",
         "Standard",
-        "Cycles' own lobes, as close to the formula as they come: quick, and right whatever you change later",
+        "Cycles' own closures, fitted to the formula. Fast; later scene changes do no harm",
         0,
     ),
     (
         "exact",
         "Exact Lights",
-        "Light from the eight strongest lights follows the formula exactly; several times slower",
+        "Direct light from the eight strongest lights follows the formula exactly. Several times slower",
         1,
     ),
-    ("reference", "Reference", "The formula itself, for comparison: no bias, but noisy under small lights", 2),
+    ("reference", "Reference", "The formula without bias, for comparison. Noisy under small lights", 2),
 )
 STORED = ("auto", "corrected", "mirror")  # the estimator behind each quality
 ESTIMATORS = (
-    ("auto", "Automatic", "Closure or Fit, whichever is expected to come closer in this scene; the panel says why", 0),
+    ("auto", "Automatic", "Closure or Fit: the smaller expected error in this scene", 0),
     *((name, of.label, of.tip, of.number) for name, of in estimators.ESTIMATORS.items()),
 )
 
@@ -68,8 +68,8 @@ def family_items(_self: object, _context: object) -> list[Item]:
     counts = _counts(tuple(presets.all_presets()))
     rows = [
         (ALL, "All", "Every preset", "NONE"),
-        (FAVOURITES, "Favourites", "Those that you marked with a star", "SOLO_ON"),
-        (RECENT, "Recently Used", "Those that you applied last", "TIME"),
+        (FAVOURITES, "Favourites", "Presets with a star", "SOLO_ON"),
+        (RECENT, "Recently Used", "Presets you applied last", "TIME"),
     ]
     for family in sorted(counts, key=lambda one: (one != presets.FIRST_FAMILY, one)):
         title = family.replace("_", " ").title()
@@ -81,13 +81,13 @@ def family_items(_self: object, _context: object) -> list[Item]:
 
 @lru_cache(maxsize=2)
 def _counts(identities: tuple[str, ...]) -> Counter[str]:
-    """How many presets each family has. Kept, as Blender makes the list of families at every redraw."""
+    """How many presets each family has. Cached: Blender asks for the list of families at every redraw."""
     return Counter(identity.split("/")[0] for identity in identities)
 
 
-def found(settings: VGrooveSettings) -> list[presets.Preset]:
-    """The presets of the chosen family whose id, name or tags hold every word of the search."""
-    family = settings.family  # read once: Blender makes the list of families anew each time
+def matching(settings: VGrooveSettings) -> list[presets.Preset]:
+    """The presets of the chosen family whose id, name or tags contain every word of the search."""
+    family = settings.family  # read once: Blender rebuilds the list of families each time
     hits = presets.search(settings.search)
     if family in {FAVOURITES, RECENT}:
         ids = memory.favourites() if family == FAVOURITES else memory.recent()
@@ -104,8 +104,8 @@ def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
 
 
 def shown_items(settings: VGrooveSettings, _context: object) -> list[Item]:
-    """Those found, each with its picture, and the chosen one, which is never lost to a search."""
-    rows, chosen = found(settings), chosen_preset(settings)
+    """The presets found, each with its picture, and always the chosen one, whatever the search."""
+    rows, chosen = matching(settings), chosen_preset(settings)
     rows = rows if chosen in rows else [chosen, *rows]
     _shown[:] = [(p.id, p.name, _tip(p), thumbnails.icon(p), number(p.id)) for p in rows]
     return _shown
@@ -130,27 +130,25 @@ def _set_quality(settings: VGrooveSettings, value: int) -> None:
 
 
 class VGrooveSettings(bpy.types.PropertyGroup):
-    """What Apply will give to the selected objects."""
+    """What Apply applies to the selected objects."""
 
     preset: bpy.props.StringProperty(
         name="Preset", description="The material to apply, by id", default=FIRST, options={"HIDDEN"}
     )
     family: bpy.props.EnumProperty(
-        name="Family", description="Which presets are offered", items=family_items, default=number(presets.FIRST_FAMILY)
+        name="Family", description="Which presets to list", items=family_items, default=number(presets.FIRST_FAMILY)
     )
     search: bpy.props.StringProperty(
         name="Search",
-        description="Words that a preset's id, name or tags must hold, such as: gold satin",
+        description="Words that a preset's id, name or tags must contain, such as: gold satin",
         options={"TEXTEDIT_UPDATE"},
     )
     shown: bpy.props.EnumProperty(
         name="Preset", description="The material to apply", items=shown_items, get=_get_shown, set=_set_shown
     )
-    backend: bpy.props.EnumProperty(
-        name="Backend", description="What the material is built of", items=BACKENDS, default="nodes"
-    )
+    backend: bpy.props.EnumProperty(name="Backend", description="Shader nodes or OSL", items=BACKENDS, default="nodes")
     estimator: bpy.props.EnumProperty(
-        name="Estimator", description="How the formula reaches the renderer", items=ESTIMATORS, default="auto"
+        name="Estimator", description="How Cycles renders the model", items=ESTIMATORS, default="auto"
     )
     quality: bpy.props.EnumProperty(
         name="Quality",
@@ -161,7 +159,7 @@ class VGrooveSettings(bpy.types.PropertyGroup):
     )
     bound: bpy.props.FloatProperty(
         name="Bound",
-        description="How much of the reflected light Hybrid may have wrong; less is noisier",
+        description="Largest error of the reflected light; smaller is noisier",
         default=100.0 * DEFAULT_BOUND,
         min=100.0 * BOUNDS[0],
         max=100.0 * BOUNDS[1],

@@ -23,7 +23,7 @@ def tasks(table, folder=Path()):
 def test_one_preset_is_one_task():
     """With the command line's defaults."""
     (task,) = tasks('preset = "copper"')
-    assert task.given == (("Ball", find("lecture/copper")),)
+    assert task.assignments == (("Ball", find("lecture/copper")),)
     assert (task.scene, task.backend, task.estimator, task.samples, task.seed) == ("preview", "nodes", "auto", 128, 0)
     assert task.resolution == (640, 480)
     assert task.outputs == ("exr",)
@@ -33,7 +33,7 @@ def test_lists_are_axes_of_a_grid():
     """Every combination once, the last key fastest; labels say where each stands."""
     found = tasks('preset = ["copper", "gold"]\nset.m = [0.1, 0.2, 0.3]\nseed = [0, 1]\nresolution = "64x48"')
     assert len(found) == 12
-    assert [(task.given[0][1].id, task.given[0][1].m, task.seed) for task in found[:3]] == [
+    assert [(task.assignments[0][1].id, task.assignments[0][1].m, task.seed) for task in found[:3]] == [
         ("lecture/copper", 0.1, 0), ("lecture/copper", 0.1, 1), ("lecture/copper", 0.2, 0)
     ]  # fmt: skip
     assert found[-1].label == f"{find('gold').id}, m 0.3, seed 1"
@@ -43,9 +43,9 @@ def test_lists_are_axes_of_a_grid():
 def test_a_colour_is_one_value_and_a_list_of_colours_an_axis():
     """As a preset file writes it."""
     (task,) = tasks('preset = "copper"\nset.f0 = [0.9, 0.6, 0.5]')
-    assert task.given[0][1].parameters["f0"] == (0.9, 0.6, 0.5)
+    assert task.assignments[0][1].parameters["f0"] == (0.9, 0.6, 0.5)
     found = tasks('preset = "copper"\nset.f0 = [[0.9, 0.6, 0.5], [0.5, 0.5, 0.5]]')
-    assert [task.given[0][1].parameters["f0"] for task in found] == [(0.9, 0.6, 0.5), (0.5, 0.5, 0.5)]
+    assert [task.assignments[0][1].parameters["f0"] for task in found] == [(0.9, 0.6, 0.5), (0.5, 0.5, 0.5)]
 
 
 def test_tables_add_up_and_what_is_twice_there_is_once():
@@ -57,8 +57,8 @@ def test_tables_add_up_and_what_is_twice_there_is_once():
 def test_times_and_frames_show_moments_of_a_course():
     """Each task has a material that stands still; a frame is as far through the course as through the frames."""
     iron = find("rusting_iron")
-    moments = [task.given[0][1] for task in tasks('preset = "rusting_iron"\ntime = [0.0, 0.25, 1.0]')]
-    frames = [task.given[0][1] for task in tasks('preset = "rusting_iron"\nframes = "1-5"')]
+    moments = [task.assignments[0][1] for task in tasks('preset = "rusting_iron"\ntime = [0.0, 0.25, 1.0]')]
+    frames = [task.assignments[0][1] for task in tasks('preset = "rusting_iron"\nframes = "1-5"')]
     assert all(one.time is None for one in moments + frames)
     for one, time in zip(moments, (0.0, 0.25, 1.0), strict=True):
         assert one.parameters == iron.at(time).parameters
@@ -66,7 +66,7 @@ def test_times_and_frames_show_moments_of_a_course():
     assert frames[1].parameters == moments[1].parameters
     assert frames[-1].parameters == moments[-1].parameters
     (start,) = tasks('preset = "rusting_iron"')
-    assert start.given[0][1].parameters == iron.parameters
+    assert start.assignments[0][1].parameters == iron.parameters
 
 
 def test_presets_that_stand_still_do_not_mind_the_time_of_others():
@@ -82,9 +82,9 @@ def test_a_scene_is_named_by_its_content(tmp_path):
     (tmp_path / "job.toml").write_text("[[render]]\n" + table.format("a"))
     (of_file,) = load(tmp_path / "job.toml")
     a, b, c = (tasks(table.format(name), tmp_path)[0] for name in "abc")
-    assert [name for name, _ in a.given] == ["Floor", "Gate"]
+    assert [name for name, _ in a.assignments] == ["Floor", "Gate"]
     assert of_file.identity(VERSIONS) == a.identity(VERSIONS) == b.identity(VERSIONS) != c.identity(VERSIONS)
-    assert tasks('scene = "a.blend"', tmp_path)[0].given == ()
+    assert tasks('scene = "a.blend"', tmp_path)[0].assignments == ()
 
 
 def test_the_job_of_the_documentation_holds(tmp_path):
@@ -125,17 +125,17 @@ def test_a_task_is_named_by_all_that_decides_its_pixels_and_nothing_else():
     """Each change of what decides them gives another name; names and sources of presets do not."""
     (task,) = tasks('preset = "copper"')
     name = task.identity(VERSIONS)
-    copper = task.given[0][1]
+    copper = task.assignments[0][1]
     same = [
-        replace(task, given=(("Ball", replace(copper, id="a/b", name="B", source={}, notes="n", tags=("t",))),)),
+        replace(task, assignments=(("Ball", replace(copper, id="a/b", name="B", source={}, notes="n", tags=("t",))),)),
         replace(task, outputs=("png",), labels=()),
         replace(task, scene="elsewhere"),
         replace(task, frame=2),  # of the preview scene, where nothing else moves
     ]
     assert all(one.identity(VERSIONS) == name for one in same)
     other = [
-        replace(task, given=(("Ball", copper.with_parameters(m=0.31)),)),
-        replace(task, given=(("Gate", copper),)),
+        replace(task, assignments=(("Ball", copper.with_parameters(m=0.31)),)),
+        replace(task, assignments=(("Gate", copper),)),
         replace(task, digest="0" * 64),
         replace(task, digest="0" * 64, frame=2),
         replace(task, backend="osl"),

@@ -82,9 +82,9 @@ def test_tries_are_counted_and_reasons_kept():
     """Each reason once; a task that goes well after all says how many it took."""
     tries = Tries()
     for reason in ("slow", "slow", "large")[: TRIES - 1]:
-        assert tries.settled(Outcome("a", "stumbled", reason=reason)) is None
-    found = tries.settled(Outcome("a", "stumbled", reason="large"))
+        assert tries.settle(Outcome("a", "stumbled", reason=reason)) is None
+    found = tries.settle(Outcome("a", "stumbled", reason="large"))
     assert (found.status, found.tries, found.reason) == ("failed", TRIES, "slow; then large")
-    assert tries.settled(Outcome("b", "stumbled", reason="slow")) is None
-    assert tries.settled(Outcome("b", "rendered")).tries == 2
-    assert tries.settled(Outcome("c", "failed", reason="no such object")).tries == 1
+    assert tries.settle(Outcome("b", "stumbled", reason="slow")) is None
+    assert tries.settle(Outcome("b", "rendered")).tries == 2
+    assert tries.settle(Outcome("c", "failed", reason="no such object")).tries == 1

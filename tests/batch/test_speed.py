@@ -11,9 +11,9 @@ pytestmark = [pytest.mark.blender, pytest.mark.once]
 
 def test_a_batch_has_eight_times_the_throughput_of_a_process_a_still(blender, tmp_path):
     """At 24 stills, over which the start of a batch is spread less than over 1,000; both in the same minute."""
-    single = cost.alone(1, tmp_path)
-    batch = cost.together(24, tmp_path)
-    single = (single + cost.alone(1, tmp_path)) / 2.0
+    single = cost.single_render_seconds(1, tmp_path)
+    batch = cost.batch_seconds(24, tmp_path)
+    single = (single + cost.single_render_seconds(1, tmp_path)) / 2.0
     assert single / batch > 8.0
 
 

@@ -85,7 +85,7 @@ def test_a_scene_keeps_its_own_size_and_samples(blender, gate):
 def test_a_scene_is_opened_once_and_materials_do_not_pile_up(blender, gate, monkeypatch):
     """Over tasks that want the same of it."""
     opened = []
-    monkeypatch.setattr(scene, "opened", lambda path, real=scene.opened: opened.append(path) or real(path))
+    monkeypatch.setattr(scene, "open_file", lambda path, real=scene.open_file: opened.append(path) or real(path))
     renderer = Renderer(gate, VERSIONS)
     for task in tasks(
         SMALL + 'scene = "gate.blend"\nobject = "Ball"\npreset = ["copper", "gold"]\nset.m = [0.1, 0.2]', gate

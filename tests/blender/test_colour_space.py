@@ -291,7 +291,7 @@ def test_a_file_of_older_versions_is_mended_when_opened(blender, tmp_path, space
     path = tmp_path / "old.blend"
     with headless.quiet():
         blender.ops.wm.save_as_mainfile(filepath=str(path))
-        scene.opened(path)
+        scene.open_file(path)
     (made,) = blender.data.materials
     assert_is(made, preset)
     (node,) = (node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")

@@ -638,7 +638,7 @@ def test_a_full_copy_of_a_scene_has_lights_of_its_own(bound):
     copy = blender.context.scene
     assert copy != stage
     lamps.follow(copy)
-    (mine,) = lamps.followed(copy)
+    (mine,) = lamps.rig_lights(copy)
     assert mine.item != sun
     mine.item.data.energy = 0.5
     assert strength()[0] == pytest.approx(0.5 * 2**1.5, rel=1e-6)

@@ -41,7 +41,7 @@ def test_few_rays_are_foreseen_as_cycles_renders_them(instrument, shot):
 @pytest.mark.parametrize("shot", MANY, ids=str)
 def test_near_the_origin_in_perspective_or_by_an_aperture_all_rays_differ(instrument, shot):
     """But for a few of 4096, which birthdays among 2^22 places explain: 2 pairs, and 4 sqrt(2) more."""
-    pairs = rays.LOOKED_AT * (rays.LOOKED_AT - 1) / 2
+    pairs = rays.SAMPLED_RAYS * (rays.SAMPLED_RAYS - 1) / 2
     for count in (pictures.numbers(shot), foreseen(shot)):
         assert count >= pairs / 8
 
@@ -49,8 +49,8 @@ def test_near_the_origin_in_perspective_or_by_an_aperture_all_rays_differ(instru
 @pytest.mark.parametrize("places", [1, 30, 3000, 50000])
 def test_the_rays_that_differ_are_told_from_the_pairs_that_do_not(places):
     """Also of more than are drawn. Pairs are known to the root of their number."""
-    drawn = np.random.default_rng(0).integers(0, places, rays.LOOKED_AT)
-    pairs = rays.LOOKED_AT**2 / 2 / places
+    drawn = np.random.default_rng(0).integers(0, places, rays.SAMPLED_RAYS)
+    pairs = rays.SAMPLED_RAYS**2 / 2 / places
     found = rays.different(np.unique(drawn, return_counts=True)[1])
     assert found == pytest.approx(places, rel=4.0 / pairs**0.5)
 
@@ -153,7 +153,7 @@ def test_the_panel_says_so_and_its_button_opens_the_aperture_a_little(far):
     (problem,) = named(far)
     assert "orthographic" in problem.text
     assert "\n" not in problem.text
-    problem.mend()
+    problem.fix()
     assert named(far) == []
     camera = far.camera.data
     assert camera.dof.focus_distance == pytest.approx(np.hypot(8.2, 1.2) - 1.0, abs=0.15)  # the ball's near side
@@ -169,7 +169,7 @@ def test_the_panel_warns_of_as_few_samples_as_gain_noise(far):
         assert bool(named(far)) == warned
     far.cycles.samples = 256
     (problem,) = named(far)
-    assert f"256 samples have the noise of {1.0 / (1.0 / 256 + 1.0 / found):.0f}" in problem.text
+    assert f"256 samples are as noisy as {1.0 / (1.0 / 256 + 1.0 / found):.0f}" in problem.text
 
 
 def test_nobody_is_warned_of_more_samples_than_can_be_told(far):
@@ -206,7 +206,7 @@ def test_too_narrow_a_pixel_filter_is_widened_first(far):
     far.view_layers[0].update()
     (problem,) = named(far)
     assert "filter" in problem.text
-    problem.mend()
+    problem.fix()
     assert named(far) == []
 
 

@@ -77,10 +77,10 @@ SITUATIONS = {
     "a light that an instance in an instance, particles or geometry nodes bring": by_nested_instance,
     "a light in a background set": in_background_set,
     "a light whose Multiple Importance is off": without_importance,
-    "a small shining object": lambda shown: setattr(add_card(shown, "Emission"), "location", (0, 0, 9)),
+    "a small emissive object": lambda shown: setattr(add_card(shown, "Emission"), "location", (0, 0, 9)),
     "the sun disc of a sky": sky,
-    "a transparent thing before a bound light": lambda shown: add_card(shown, "BsdfTransparent"),
-    "a thing hidden from shadow rays": lambda shown: setattr(add_card(shown, "BsdfDiffuse"), "visible_shadow", False),
+    "a transparent object before a bound light": lambda shown: add_card(shown, "BsdfTransparent"),
+    "an object hidden from shadow rays": lambda shown: setattr(add_card(shown, "BsdfDiffuse"), "visible_shadow", False),
     "a volume before a bound light": lambda shown: add_card(shown, "VolumeAbsorption", "Volume", "Haze"),
     "a world filled with a volume": lambda shown: add_world(shown, "VolumeAbsorption", "Volume"),
     "Clamp Direct": lambda shown: setattr(shown.cycles, "sample_clamp_direct", 1.0),
@@ -133,13 +133,13 @@ def test_advice_says_what_the_table_says(stage, situation):
             ['"Sun"', 'the instance "Outer"'],
         ),
         ("the sun disc of a sky", ["sun disc", "Sky Texture", "world"]),
-        ("a transparent thing before a bound light", ["Card (transparent)"]),
-        ("a thing hidden from shadow rays", ["Card (hidden from shadow rays)"]),
+        ("a transparent object before a bound light", ["Card (transparent)"]),
+        ("an object hidden from shadow rays", ["Card (hidden from shadow rays)"]),
         ("a volume before a bound light", ["Haze (volume)"]),
         ("a world filled with a volume", ['world "World" (volume)']),
         ("a Shading Offset of the shadow terminator", ["Card", "too bright"]),
         ("a denoiser, or Denoising Data", ["Albedo", "Normal", "Reference"]),
-        ("light groups", ["no light group"]),
+        ("light groups", ["missing from light groups"]),
         ("light passes", ["Emission pass"]),
     ],
 )
@@ -223,7 +223,7 @@ def test_a_shading_offset_is_taken_back_by_its_button(stage):
     card.shadow_terminator_shading_offset = 0.4
     (problem,) = said(stage, "mirror")
     assert problem.costs
-    problem.mend()
+    problem.fix()
     assert said(stage, "mirror") == []
     assert card.shadow_terminator_shading_offset == 0.0
 
@@ -275,18 +275,18 @@ def test_denoisers_that_take_no_passes_are_not_warned_of(stage):
     assert [p.key for p in said(stage, "mirror", m=0.05, model="oren_nayar")] == ["denoiser"]
     (problem,) = said(stage, "mirror")
     assert problem.costs
-    problem.mend()
+    problem.fix()
     assert said(stage, "mirror") == []
     stage.view_layers[0].cycles.denoising_store_passes = True
     (problem,) = said(stage, "corrected")
-    assert (problem.key, problem.mend) == ("denoiser", None)
+    assert (problem.key, problem.fix) == ("denoiser", None)
 
 
 def test_small_lights_are_told_by_the_angle_at_which_objects_see_them(stage):
     """An area light of 4 cm is as rarely hit as a bulb; at the same distance one of 2 m is not."""
     area = add_light(stage, "Area", "AREA", at=(0, 0, 4), size=0.04)
     (problem,) = said(stage, "mirror")
-    assert (problem.key, problem.mend) == ("small", None)  # no size of 0 for area lights
+    assert (problem.key, problem.fix) == ("small", None)  # no size of 0 for area lights
     area.data.size = 2.0
     assert 2.0 * math.atan(1.0 / 4.0) > facts.SMALL_ANGLE
     assert said(stage, "mirror") == []

@@ -69,7 +69,7 @@ def test_presets_as_json_hold_the_contract():
         (["measure", "copper", "--theta-i", "95", "-o", "a.exr"], "--theta-i"),
         (["measure", "copper", "--theta-i", "5", "-o", "a.png"], "measurements are EXR files"),
         (["measure", "copper", "--theta-i", "5", "--estimator", "mirror", "-o", "a.exr"], "sun of zero size"),
-        (["measure", "copper", "--furnace", "--estimator", "direct", "-o", "a.exr"], "direct sees lamps alone"),
+        (["measure", "copper", "--furnace", "--estimator", "direct", "-o", "a.exr"], "direct sees only lights"),
         (["measure", "copper", "--furnace", "--window", "5", "-o", "a.exr"], "--furnace has no sun"),
         (["measure", "copper", "--furnace", "--phi-i", "5", "-o", "a.exr"], "--furnace has no sun"),
         (["measure", "copper", "--theta-i", "5", "--phi-i", "361", "-o", "a.exr"], "--phi-i"),

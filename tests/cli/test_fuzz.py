@@ -574,7 +574,7 @@ def test_a_gallery_takes_pictures_of_any_shape(line, shape):
     assert "data:image/webp;base64," in page
     tile = images.tile(line.folder / "a.png", 192)
     assert tile.shape[1] == 192
-    assert tile.shape[0] <= 192 * images.TALLEST
+    assert tile.shape[0] <= 192 * images.MAX_TILE_ASPECT
 
 
 @pytest.mark.parametrize(

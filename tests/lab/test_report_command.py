@@ -44,7 +44,7 @@ def test_compare_exits_1_if_something_is_worse(two, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "give -o DIR to measure, --from REPORT.json to draw anew"),
+        ([], "give -o DIR to measure, --from REPORT.json to redraw"),
         (["--from", "none.json"], "none.json: not there"),
         (["--from", "broken.json"], "broken.json: no report"),
         (["--from", "old.json"], "old.json: is of format 0"),

@@ -44,7 +44,7 @@ def test_presets_of_the_user_are_found_beside_those_that_ship(folder):
     assert find("mine/my_copper").m == find("my_copper").m == 0.5
     assert find("Cloth/café").name == "Café"
     assert find("lecture/copper") == COPPER
-    (error,) = presets.refused()
+    (error,) = presets.load_errors()
     assert "m must be between 0.0001 and 10 (or 0, a smooth interface), got -1" in str(error)
     with pytest.raises(PresetError, match="m must be between"):
         find("bad")
@@ -54,7 +54,7 @@ def test_presets_of_the_user_do_not_stand_in_for_others(folder):
     """Two of one id, also where only case tells them apart, would make a render depend on the machine."""
     (folder / "Lecture").mkdir()
     (folder / "Lecture" / "COPPER.toml").write_text(named(m=0.5), encoding="utf-8")
-    (error,) = presets.refused()
+    (error,) = presets.load_errors()
     assert "there is a preset lecture/copper already; rename the file" in str(error)
     assert find("copper") == COPPER
 
@@ -69,7 +69,7 @@ def test_the_folder_may_be_below_ones_home(folder, monkeypatch):
 
 def test_a_folder_that_is_not_there_is_said(folder, monkeypatch):
     monkeypatch.setenv(presets.USER_FOLDER, str(folder / "nowhere"))
-    (error,) = presets.refused()
+    (error,) = presets.load_errors()
     assert "nowhere is no folder" in str(error)
     assert find("copper") == COPPER
 
@@ -110,16 +110,18 @@ def test_a_preset_file_is_taken_in(folder, tmp_path_factory):
     """By its name; a file that does not hold is refused and leaves nothing."""
     given_file = tmp_path_factory.mktemp("given") / "x.toml"
     given_file.write_text(named("Roof"), encoding="utf-8")
-    assert preset_files.take(given_file, folder).id == "mine/roof"
+    assert preset_files.import_file(given_file, folder).id == "mine/roof"
     given_file.write_text("name = 3", encoding="utf-8")
     with pytest.raises(PresetError, match="name must be a text"):
-        preset_files.take(given_file, folder)
+        preset_files.import_file(given_file, folder)
     assert [path.name for path in folder.iterdir()] == ["roof.toml"]
     with pytest.raises(PresetError, match="name must be a text"):
-        preset_files.take(given_file, folder / "new")
+        preset_files.import_file(given_file, folder / "new")
     assert not (folder / "new").exists()
     given_file.write_text(named("Roof"), encoding="utf-8")
-    assert preset_files.take(given_file, folder / "new").id == "mine/roof"  # the folder is made when it is needed
+    assert (
+        preset_files.import_file(given_file, folder / "new").id == "mine/roof"
+    )  # the folder is made when it is needed
 
 
 # Malformed files
@@ -235,5 +237,5 @@ def test_a_folder_of_malformed_presets_is_listed_without_them(folder):
     assert '"mine/good"' in done.stdout
     lines = done.stderr.splitlines()
     assert len(lines) > 200
-    assert all(line.startswith("vgroove: left out: ") for line in lines)
+    assert all(line.startswith("vgroove: preset skipped: ") for line in lines)
     assert {path: path.lstat().st_mtime_ns for path in folder.rglob("*")} == before

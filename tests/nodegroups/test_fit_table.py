@@ -84,18 +84,18 @@ def test_a_deleted_image_comes_back(blender):
     made = build()
     build("dielectric", "hybrid", "osl")
     groups = {group.name for group in blender.data.node_groups}
-    assert not fit_table.lost()
+    assert not fit_table.nodes_without_table()
     for by in ("advice", "rebuild"):
         blender.data.images.remove(fit_table.ensure())
-        assert fit_table.lost()
+        assert fit_table.nodes_without_table()
         if by == "advice":
             shown = blender.context.scene
             found = {p.key: p for p in advice.problems_with(shown, materials()["schlick"], "nodes", "fit")}
             assert "render pink" in found["table"].text
-            found["table"].mend()
+            found["table"].fix()
         else:
             rebuild(made, blender.context.scene)
-        assert not fit_table.lost()
+        assert not fit_table.nodes_without_table()
         (image,) = images()
         np.testing.assert_array_equal(numbers(image), fit_table.pixels())
         assert {group.name for group in blender.data.node_groups} == groups

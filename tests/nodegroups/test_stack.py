@@ -149,7 +149,7 @@ def test_lights_that_have_no_room_are_named():
     with lit(["SUN"] * 8, sized=True) as (stage, overflows):
         for number, item in enumerate(lamps.of_scene(stage)):
             item.data.energy = 10.0 - number
-        preset, known = presets.find(MODELS["paint"]), lamps.followed(stage)
+        preset, known = presets.find(MODELS["paint"]), lamps.rig_lights(stage)
         bound = lamps_to_bind(stage, "corrected", "car_paint")
         assert list(bound) == known[: choice.most_lights("corrected", "car_paint")]
         (said,) = (p.text for p in advice.problems_with(stage, preset, "nodes", "corrected") if p.key == "limit")

@@ -36,14 +36,14 @@ def picture(made, geometry):
 
 
 def other():
-    return next(one for one in cycles.VERSIONS if one != cycles.meant())
+    return next(one for one in cycles.VERSIONS if one != cycles.version())
 
 
 def test_a_file_of_the_running_cycles_says_nothing(blender, capfd):
     """Nor does one that holds no materials of ours."""
     vgroove.register()
     try:
-        open_file(blender, cycles.meant())
+        open_file(blender, cycles.version())
         assert list(advice.cycles_problems(blender.context.scene)) == []
         assert "V-Groove" not in capfd.readouterr().out
     finally:
@@ -52,7 +52,7 @@ def test_a_file_of_the_running_cycles_says_nothing(blender, capfd):
     assert list(advice.cycles_problems(blender.context.scene)) == []
 
 
-def test_a_file_of_the_other_cycles_is_told_when_it_is_opened_and_mended_by_one_button(blender, capfd):
+def test_a_file_of_the_other_cycles_is_told_when_it_is_opened_and_fixed_by_one_button(blender, capfd):
     """The message names the materials that render differently; updated, they match new ones. Others do not change."""
     vgroove.register()
     try:
@@ -92,11 +92,11 @@ def test_what_cannot_be_updated_is_said_and_keeps_nothing_else_from_it(blender, 
     monkeypatch.setattr(osl_script, "script", refuse)
     (problem,) = advice.cycles_problems(blender.context.scene)
     with pytest.raises(OslError, match="without OSL"):
-        problem.mend()
+        problem.fix()
     assert {name for name in made if rebuild.is_of_other_cycles(made[name])} == {"chalk osl", "frosted osl"}
     monkeypatch.setattr(osl_script, "script", compiled)
     (problem,) = advice.cycles_problems(blender.context.scene)
-    problem.mend()
+    problem.fix()
     assert not any(map(rebuild.is_of_other_cycles, made.values()))
 
 
@@ -134,7 +134,7 @@ def test_linked_materials_are_named_and_left_alone(blender):
         wanted.materials = ["chalk"]
     (problem,) = advice.cycles_problems(blender.context.scene)
     assert problem.text.endswith("chalk")
-    assert (problem.button, problem.mend) == ("", None)
+    assert (problem.button, problem.fix) == ("", None)
 
 
 def test_a_newer_blender_than_any_that_was_tested_is_said_once(blender, monkeypatch):

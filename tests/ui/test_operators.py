@@ -140,7 +140,7 @@ def test_materials_that_are_linked_are_not_edited(extension, tmp_path):
 
 
 def test_advice_on_linked_materials_has_no_button(extension, tmp_path):
-    """They cannot be updated here; Mend All passes them over."""
+    """They cannot be updated here; Fix All passes them over."""
     from vgroove.addon.choose import advice
 
     path = str(tmp_path / "library.blend")
@@ -156,7 +156,7 @@ def test_advice_on_linked_materials_has_no_button(extension, tmp_path):
     copper = presets.find("lecture/copper")
     found = advice.problems_with(extension.context.scene, copper, "nodes", "direct")
     (stale,) = (problem for problem in found if problem.key.startswith("stale"))
-    assert stale.mend is None
+    assert stale.fix is None
 
 
 def test_objects_that_share_a_mesh_are_named(extension, capfd):
@@ -165,7 +165,7 @@ def test_objects_that_share_a_mesh_are_named(extension, capfd):
     extension.context.scene.collection.objects.link(other)
     extension.ops.vgroove.apply()
     assert other.active_material.name == "Copper"
-    assert "given to 1 object, and to Twin, which shares their mesh" in capfd.readouterr().out
+    assert "applied to 1 object and to Twin (same mesh)" in capfd.readouterr().out
 
 
 def test_what_cannot_have_a_material_is_left_out(extension):
@@ -198,7 +198,7 @@ def test_in_edit_mode_the_selected_faces_get_the_material(extension):
         bmesh.update_edit_mesh(item.data)
 
     select()
-    with pytest.raises(RuntimeError, match="No face is selected"):
+    with pytest.raises(RuntimeError, match="Select faces first, or leave Edit Mode"):
         run(extension, "apply")
     for preset, face in (("lecture/copper", 1), ("lecture/aluminium", 0), ("lecture/copper", 0)):
         extension.context.scene.vgroove.preset = preset
@@ -317,7 +317,7 @@ def test_what_was_taken_out_of_a_trajectory_is_refused_in_words(extension, rusti
             made.node_tree.nodes.remove(node)
         whole = course.trajectory_node(made) is not None
         if whole:
-            with pytest.raises(RuntimeError, match="was changed and cannot be read; remove the course"):
+            with pytest.raises(RuntimeError, match="was changed and cannot be read; remove the animation"):
                 run(extension, "course_bake")
         else:
             with pytest.raises(RuntimeError, match="Select objects whose active material is driven by Age"):
@@ -348,7 +348,7 @@ def test_retiming_without_keys_says_so(extension, rusting):
     for curve in material.curves(made):
         curve.keyframe_points.clear()
     for operator in ("course_retime", "course_reverse"):
-        with pytest.raises(RuntimeError, match="has no keys; add its course first"):
+        with pytest.raises(RuntimeError, match="has no keys; add its animation first"):
             run(extension, operator)
 
 

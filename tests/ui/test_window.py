@@ -101,14 +101,14 @@ def test_apply_without_a_selection_says_so(extension):
 
 
 def spoiled(extension):
-    """The default scene with Workbench, for Reference in OSL: much to mend."""
+    """The default scene with Workbench, for Reference in OSL: much to fix."""
     stage = extension.context.scene
     stage.vgroove.backend, stage.vgroove.estimator = "osl", "mirror"
     stage.render.engine = "BLENDER_WORKBENCH"
     return stage
 
 
-def test_advice_is_mended_by_its_button(extension):
+def test_advice_is_fixed_by_its_button(extension):
     """Every problem of the default scene that has a button is gone after it was pressed."""
     from vgroove.addon.ui import operators
 
@@ -117,12 +117,12 @@ def test_advice_is_mended_by_its_button(extension):
     assert {"engine", "osl", "filter", "clamp"} <= {problem.key for problem in found}
     with headless.quiet():
         for problem in found:
-            if problem.mend:
+            if problem.fix:
                 assert extension.ops.vgroove.mend(key=problem.key) == {"FINISHED"}
-    assert [problem for problem in operators.current_problems(stage) if problem.mend] == []
+    assert [problem for problem in operators.current_problems(stage) if problem.fix] == []
 
 
-def test_mend_all_leaves_alone_what_costs_something_elsewhere(extension):
+def test_fix_all_leaves_out_what_has_side_effects(extension):
     """A light keeps its size, the scene its clamps, filter, noise threshold and caustics; each has its own button."""
     from vgroove.addon.ui import operators
 
@@ -141,12 +141,12 @@ def test_mend_all_leaves_alone_what_costs_something_elsewhere(extension):
         assert extension.ops.vgroove.mend(key="") == {"CANCELLED"}
     assert (stage.render.engine, stage.cycles.shading_system) == ("CYCLES", True)
     assert light.cycles.use_multiple_importance_sampling
-    left = [problem for problem in operators.current_problems(stage) if problem.mend]
+    left = [problem for problem in operators.current_problems(stage) if problem.fix]
     assert {"small", "adaptive", "filter", "clamp", "caustics", "denoiser"} == {problem.key for problem in left}
     assert all(problem.costs for problem in left)
 
 
-def test_mend_all_lists_what_it_will_change_and_what_it_leaves(extension):
+def test_fix_all_lists_what_it_will_change_and_what_it_leaves(extension):
     from types import SimpleNamespace
 
     from vgroove.addon.ui import operators
@@ -161,9 +161,9 @@ def test_mend_all_lists_what_it_will_change_and_what_it_leaves(extension):
     assert stage.render.engine == "BLENDER_WORKBENCH"  # nothing is changed before it is confirmed
     operators.VGROOVE_OT_mend.draw(button, context)
     texts = button.layout.texts
-    left = texts.index("Left alone, each with its own button:")
+    left = texts.index("Not included, use their own buttons:")
     assert {"Use Cycles", "Switch OSL On"} <= set(texts[:left])
-    assert "Set Filter Glossy to 0: costs more fireflies" in texts[left:]
+    assert "Set Filter Glossy to 0. Side effect: more fireflies" in texts[left:]
 
 
 def test_everything_in_the_panel_has_a_tooltip(extension):
@@ -412,9 +412,9 @@ def test_a_model_that_lacks_a_quality_gets_standard_and_the_panel_says_so(extens
 
     stage = extension.context.scene
     stage.vgroove.preset, stage.vgroove.quality = preset, quality
-    picked = operators.chosen(stage)
+    picked = operators.pick(stage)
     assert picked.estimator == expected
-    said = "has no Exact Lights and gets Standard" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
+    said = "has no Exact Lights; Standard is used" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
     assert said == (quality == "exact")
     with headless.quiet():
         assert extension.ops.vgroove.apply() == {"FINISHED"}
@@ -432,7 +432,7 @@ def test_the_search_offers_what_it_finds(extension):
     assert (settings.family, settings.preset, settings.shown) == ("lecture", "lecture/copper", "lecture/copper")
     settings.family, settings.search = properties.ALL, "gold SATIN"
     gold, purple = "finished_metals/gold_satin", "finished_metals/purple_gold_aual2_satin"
-    assert [preset.id for preset in properties.found(settings)] == [gold, purple]
+    assert [preset.id for preset in properties.matching(settings)] == [gold, purple]
     assert [item[0] for item in properties.shown_items(settings, None)] == ["lecture/copper", gold, purple]
     settings.shown = gold
     assert settings.preset == gold
@@ -573,7 +573,19 @@ def test_a_folder_of_malformed_presets_does_not_keep_the_extension_from_register
     layout = Recorder()
     context = SimpleNamespace(scene=extension.context.scene, region=SimpleNamespace(width=280))
     panels.VGROOVE_PT_material.draw(SimpleNamespace(layout=layout), context)
-    assert "Left out of your presets:" in " ".join(layout.texts)
+    assert "Preset skipped:" in " ".join(layout.texts)
+
+
+def test_the_source_recommends_a_roughness(extension):
+    """As Blender's sliders have it: the square roots of the preset's slopes m."""
+    from vgroove.addon.library.presets import all_presets
+    from vgroove.addon.ui import panels
+
+    preset = next(one for one in all_presets().values() if one.m_range)
+    extension.context.scene.vgroove.preset = preset.id
+    text = " ".join(drawn(extension, panels.VGROOVE_PT_source).texts)
+    low, high = (f"{m**0.5:.2g}" for m in preset.m_range)
+    assert f"Recommended roughness: {low} to {high}" in text
 
 
 def test_a_citation_says_what_and_whence():
@@ -740,7 +752,7 @@ def test_the_panel_says_how_a_preset_changes(extension, rusting):
     layout = Recorder()
     course.VGROOVE_PT_course.draw(SimpleNamespace(layout=layout), context)
     text = " ".join(layout.texts)
-    for part in ("Rusting Iron (measured) changes over its whole course", "60 keys"):
+    for part in ("Rusting Iron (measured) changes over its whole duration", "60 keys"):
         assert part in text
     stage.vgroove.preset = "lecture/copper"
     context.selected_objects = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Change a scene so that a problem of ``advice`` is gone: what its buttons do."""
+"""What the buttons of ``advice`` do: change a scene so that a problem is gone."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def clear_offsets(items: Sequence[Object]) -> None:
 
 
 def rebuild_all(found: Sequence[Material], scene: Scene) -> None:
-    """Rebuild all that can be; then raise the first refusal, if there was one."""
+    """Rebuild all that can be rebuilt; then raise the first refusal, if there was one."""
     refused = None
     for made in found:
         try:
