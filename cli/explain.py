@@ -97,7 +97,7 @@ def universal_caption(choice: Choice) -> str:
 
     text = "universal: one material whose inputs show any preset, except absorption"
     if terms := universal.form_of(choice).lamps:
-        text += f", with terms for {terms} lights"
+        text += f", with terms for {terms} light{'s' * (terms > 1)}"
     if choice.backend == Backend.NODES and not universal.fits():
         text += "; does not fit in this Blender"
     return text + ". Times and memory: docs/report.md"

@@ -44,7 +44,7 @@ def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number
     return osl_script.script(
         tree,
         f"cook_torrance_{estimator}",
-        kind=list(KINDS).index(kind),
+        kind=list(fresnel.KINDS).index(kind),
         m=inputs.m,
         Normal=inputs.normal,
         **inputs.fresnel,

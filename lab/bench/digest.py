@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parent.parent.parent
 HERE = "lab/bench"
+BY_NAME = {"groups.py": "nodegroups"}  # what a module of this name imports by name, if not its own folder
 HANDED_OVER = {"figures": ("batch/cost.py",)}  # what the command line measures for a part
 # They register the extension, or keep numbers, and decide none.
 SILENT = {"__init__.py", "addon/__init__.py", *(f"{HERE}/{name}.py" for name in ("record", "run", "digest"))}
@@ -62,7 +63,8 @@ def imported(path: Path, text: str) -> tuple[Path, ...]:
             for target in (base, *(base / one.name for one in node.names)):
                 found += (target.with_suffix(".py"), target / "__init__.py")
         elif isinstance(node, ast.Name) and node.id == "import_module":
-            found += sorted(path.parent.glob("*.py"))
+            folder = ROOT / BY_NAME[path.name] if path.name in BY_NAME else path.parent
+            found += sorted(folder.glob("*.py"))
     return tuple(one for one in found if one.is_file() and ROOT in one.parents)
 
 

@@ -18,7 +18,9 @@ import pytest
 
 from vgroove import cli
 from vgroove.addon.blender import lamps
+from vgroove.addon.models import MODELS
 from vgroove.addon.reference import CookTorrance, Schlick, albedo
+from vgroove.cli import terminal
 
 from .. import commands
 
@@ -249,7 +251,7 @@ def test_check_exits_0_and_writes_json(blender, monkeypatch, tmp_path):
     from vgroove.lab.check import plan as check_all
 
     path, plan = tmp_path / "check.json", check_all.quick_plan()
-    assert len({row.func.__module__ for row in plan}) == 4
+    assert len({row.func.__module__ for row in plan}) == len(MODELS)
     monkeypatch.setattr(check_all, "quick_plan", lambda: plan[::6])
     done = vgroove("check", "--quick", "--json", path)
     assert done.code == 0, done.err
@@ -296,7 +298,7 @@ def test_presets_as_json_say_how_they_change(monkeypatch):
     assert preset["time"]["unit"] == "share"
     assert (preset["time"]["start"], preset["time"]["end"]) == (0.0, 1.0)
     assert set(preset["time"]["laws"]) == {"albedo", "s", "m"}
-    monkeypatch.setenv("COLUMNS", "500")
+    monkeypatch.setattr(terminal.out, "_width", 500)  # wide enough for the row to stay on one line
     assert "changes from 0 to 1 share: albedo, s, m" in " ".join(vgroove("presets", "rusting").out.split())
 
 

@@ -192,10 +192,10 @@ def test_explain_says_what_the_universal_material_cannot_do(blender, monkeypatch
             cli.explain.universal_caption(material.Choice(*of))
             for of in (("nodes", "corrected"), ("nodes", "closure"), ("osl", "corrected"))
         )
-        assert all("but for absorption" in said for said in (nodes, native, osl))
-        assert "terms of 1 lamp" in nodes
-        assert "lamps" not in native
-        assert "terms of 8 lamps" in osl
+        assert all("except absorption" in said for said in (nodes, native, osl))
+        assert "terms for 1 light" in nodes
+        assert "lights" not in native
+        assert "terms for 8 lights" in osl
         assert ["does not fit in this Blender" in said for said in (nodes, native, osl)] == [
             not room, not room, False
         ]  # fmt: skip

@@ -113,7 +113,7 @@ def test_light_near_the_horizon_says_what_rounding_does(instrument):
 
 def test_a_stated_limit_excuses_bias_but_nothing_else():
     """No light beyond what came, nothing negative or broken, and not what it states itself."""
-    row = Row("", SETUPS[0], "", 0.0, [view(np.full((32, 32, 3), 0.6))])
+    row = Row("", SETUPS[0], views=[view(np.full((32, 32, 3), 0.6))])
     for value, holds, passed in ((0.5, True, True), (0.5, False, False), (1.5, True, False), (-1.0, True, False)):
         for limit in ("", "as stated"):
             seen = Seen(np.array([value]), row=row, limit=limit, holds=holds)
