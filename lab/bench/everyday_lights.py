@@ -107,7 +107,7 @@ def hdri(shown: Scene) -> None:
     map_of(shown, "forest")
 
 
-@everyday("a ball of glass in an environment map", "frosted", "glass", says=("more often than Max Bounces",))
+@everyday("a ball of glass in an environment map", "frosted", "glass", says=("Too few bounces for glass",))
 def glass(shown: Scene) -> None:
     map_of(shown, "studio")
 

@@ -31,7 +31,7 @@ MODERN = versions.since(5, 0)  # 4.5 has other names for some things
 NAME = "Subject"
 LENS = 170.0  # of the start scene's camera, 11.2 m away: a unit ball fills the picture
 SIZE, SAMPLES = 32, 32
-SAYS_FRESNEL = ("approximate this Fresnel term",) if not versions.EXACT_CONDUCTOR else ()  # true there
+SAYS_FRESNEL = ("approximates this Fresnel term",) if not versions.EXACT_CONDUCTOR else ()  # true there
 SLOPES = (0.1, 0.4)  # of the two halves of a checkered surface
 
 
