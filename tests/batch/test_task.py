@@ -187,7 +187,9 @@ def test_kinds_of_material_do_not_stay_in_what_cycles_keeps(blender, tmp_path, m
         pictures.append([rendered(renderer, task)[1] for task in order])
     for one, other in zip(pictures[0], pictures[1][::-1], strict=True):
         np.testing.assert_array_equal(one, other)
-    changes = sum(one.assignments[0][1].model != other.assignments[0][1].model for one, other in itertools.pairwise(found))
+    changes = sum(
+        one.assignments[0][1].model != other.assignments[0][1].model for one, other in itertools.pairwise(found)
+    )
     assert changes >= 1
     assert len(opened) == 2 * (1 + changes)
 
