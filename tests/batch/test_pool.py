@@ -20,6 +20,7 @@ from vgroove.batch import pool
 from vgroove.batch.job import parse
 from vgroove.batch.task import Renderer
 from vgroove.headless import memory
+from vgroove.headless.pipe import LostError
 
 pytestmark = pytest.mark.blender
 
@@ -81,7 +82,7 @@ def check_whole(folder, same_as_quiet, tasks):
 
 @pytest.mark.once
 def test_kills_cost_nothing(folder, same_as_quiet, family):
-    """kill -9 of both processes, then of one that renders or only starts: each task once, as a quiet run has it."""
+    """kill -9 of both processes, then of one more: each task once, as a quiet run has it."""
     tasks = parse(SMALL + f"seed = {list(range(12))}\n", "job", folder)
     found, kills = [], 0
     for outcome in pool.outcomes(tasks, folder / "out", VERSIONS, limits()):
@@ -94,6 +95,25 @@ def test_kills_cost_nothing(folder, same_as_quiet, family):
     assert {one.status for one in found} <= {"rendered", "there"}  # killed before it could say so
     assert sorted(one.name for one in found) == sorted(task.identity(VERSIONS) for task in tasks)
     check_whole(folder, same_as_quiet, tasks)
+
+
+def test_a_process_that_is_killed_while_it_starts_is_started_again(folder, monkeypatch):
+    """As often as ``STARTS``; one that ends of itself, as where there is no Blender, is not."""
+    killed = [LostError("was killed")] * 2
+
+    class Killed(batch_child.Child):
+        def __init__(self, *arguments):
+            if killed:
+                raise killed.pop()
+            super().__init__(*arguments)
+
+    monkeypatch.setattr(pool, "Child", Killed)
+    tasks = parse(SMALL + "seed = 1\n", "job", folder)
+    (found,) = pool.outcomes(tasks, folder / "out", VERSIONS, limits(workers=1))
+    assert (found.status, killed) == ("rendered", [])
+    killed.append(LostError("no bpy", signalled=False))
+    with pytest.raises(LostError, match="Blender does not start: no bpy"):
+        list(pool.outcomes(tasks, folder / "again", VERSIONS, limits(workers=1)))
 
 
 @pytest.mark.once
