@@ -51,12 +51,12 @@ def test_slope_is_that_of_the_noise_over_the_range():
 def test_bias_is_distinguished_from_0_by_three_standard_errors():
     cell = accuracy()
     one = cell["contenders"]["fit, nodes"]
-    for factor, told in ((2.9, False), (3.1, True)):
+    for factor, known in ((2.9, False), (3.1, True)):
         one["bias2"][-1] = factor * one["bias2_error"][-1]
         found = contested(cell).curves["fit, nodes"]
-        assert found.biased is told
+        assert found.biased is known
         assert found.floor == pytest.approx(np.sqrt(factor * one["bias2_error"][-1]), rel=1e-12)
-        assert tables.bias(found).startswith("<") is not told
+        assert tables.bias(found).startswith("<") is not known
     one["bias2"][-1] = -one["bias2_error"][-1]
     found = contested(cell).curves["fit, nodes"]
     assert (found.floor, found.biased) == (0.0, False)
