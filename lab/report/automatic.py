@@ -27,7 +27,7 @@ HEAD = """\
 # What Automatic knows of each model: the bias of ``closure`` and ``fit``, as a share of the image, by kind of light, at
 # the values ``at`` of its roughness ``parameter``; and the kinds of light under which a report compared the two.
 # `make documents` writes this file from a report (lab/report/automatic.py). What no report measured is an estimate.
-# ``report``: the digest of the code that measured it, "" for numbers copied by hand from earlier reports.
+# ``report``: the digest of the code that measured it.
 """
 
 

@@ -181,7 +181,7 @@ def test_a_slope_of_two_counts_is_not_known():
 
 
 def test_a_bias_that_few_hits_leave_unknown_is_not_claimed():
-    """Nor is a bound that exceeds all the light there is shown as a bound."""
+    """A bound above all the light there is counts as not known."""
     wide = np.full(len(COUNTS), 1.0)
     sun = with_mirror("sun", bias2_error=wide) | {"independent": True}
     assert "Mirror's bias cannot" not in claimed({"accuracy/a/b": sun})

@@ -113,7 +113,7 @@ def test_peers_are_not_judged():
 
 
 def test_what_is_gone_is_worse_and_what_is_new_is_neither():
-    """Not between a quick and a full report, of which the one has less by intent. A missing part is one line."""
+    """Except between a quick and a full report, which measures more on purpose. A missing part is one line."""
 
     def change(cells):
         del cells["accuracy/softbox/copper"]["contenders"]["corrected, nodes"]
