@@ -14,7 +14,7 @@ from . import REVISION_KEY
 from ._tree import Tree, Value, output
 
 NAME = "VGroove Fit Table"
-REVISION = 1
+REVISION = 2
 
 
 def ensure() -> bpy.types.Image:

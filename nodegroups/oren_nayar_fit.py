@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from ..addon.reference.cycles import oren_nayar_power
 from . import oren_nayar
-from ._tree import Tree, Value, clamp, dot, maximum, minimum, output, sqrt
+from ._tree import Tree, Value, dot, maximum, minimum, output, sqrt
 from .oren_nayar_table import MEAN, table
 from .polynomial import horner
 from .polynomial import share as share_by_table
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Oren-Nayar Fit"
-REVISION = 2
+REVISION = 3
 TIP = "To the material's Surface. Off by up to {}, from 80 degrees of view {}"
 OFF = {"full": ("6 %", "10 %"), "qualitative": ("10 %", "11 %")}
 
@@ -68,25 +68,28 @@ def weights(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[Value, Va
     """
     of = table(kind)
     x = half_tangent(tree, shading_normal(tree, inputs.normal))
+    with tree.frame("The polynomials of the table, all at once"):
+        at_once = horner(list(zip(of.albedo, of.retro, of.native, strict=True)), x)
+        of_albedo, of_retro, single = at_once.rgb
     with tree.frame("The 1994 model's albedo"):
         s2, rho = inputs.sigma * inputs.sigma, inputs.albedo
         facing = s2 / (s2 + 0.09)
-        once = oren_nayar.C1(s2) + facing * horner(of.albedo, x)
+        flat = oren_nayar.C1(s2)
         if kind == "full":
-            once = once + rho * (0.17 * s2 / (s2 + 0.13))
-        energy = minimum(rho * once, 1.0)
+            flat = flat + rho * (0.17 * s2 / (s2 + 0.13))
+        energy = minimum(tree.math("MULTIPLY_ADD", rho * facing, of_albedo, rho * flat), 1.0)
     with tree.frame("Retro-reflection, and what albedo it has"):
-        retro = rho * (facing * horner(of.retro, x))
-        single = horner(of.native, x)
-        again = (retro ** oren_nayar_power() * (MEAN * (1.0 - single))) / (1.0 - retro * (1.0 - MEAN))
-        lambert = maximum(energy - (retro * single + again), 0.0)
+        retro = rho * facing * of_retro
+        lost = tree.math("MULTIPLY_ADD", single, -MEAN, MEAN)
+        again = retro ** oren_nayar_power() * lost / tree.math("MULTIPLY_ADD", retro, MEAN - 1.0, 1.0)
+        lambert = maximum(energy - tree.math("MULTIPLY_ADD", retro, single, again), 0.0)
     return lambert, retro
 
 
 def half_tangent(tree: Tree, N: Value) -> Value:
     """tan(theta_o/2)."""
     with tree.frame("x = tan(theta_o/2)"):
-        mu = clamp(dot(N, tree.geometry("Incoming")))
+        mu = maximum(dot(N, tree.geometry("Incoming")), 0.0)  # the root of less than 0 is 0
         return sqrt((1.0 - mu) / (1.0 + mu))
 
 

@@ -11,23 +11,22 @@ from ..addon.reference.hybrid import BOUNDS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ._tree import Number, Tree, Value
+    from ._tree import Number, Value
 
     Row = Sequence[Number]
 
 
 def horner(coefficients: Row, x: Value) -> Value:
-    """Sum of c_k x^k."""
-    *rest, last = coefficients
-    result = x * last
-    for number in reversed(rest[1:]):
-        result = (result + number) * x
-    return result + rest[0]
+    """Sum of c_k x^k; three at once where the coefficients are triples."""
+    *rest, result = coefficients
+    for number in reversed(rest):
+        result = x.tree.math("MULTIPLY_ADD", x, result, number)
+    return result
 
 
 def horner2(rows: Sequence[Row], y: Value, n: Value) -> Value:
     """Sum of c_jk y^j n^k; what depends on n alone comes first, for Cycles to fold it where n is constant."""
-    return _in_y([horner(row, n) for row in rows], y)
+    return horner([horner(row, n) for row in rows], y)
 
 
 def share(rows: Sequence[Sequence[Row]], y: Value, n: Value, bound: Value) -> Value:
@@ -36,21 +35,13 @@ def share(rows: Sequence[Sequence[Row]], y: Value, n: Value, bound: Value) -> Va
 
     line, start = bound_line()
     b = line * log(bound) + start
-    return clamp(_in_y([horner([horner(powers, b) for powers in row], n) for row in rows], y))
+    return clamp(horner([horner([horner(powers, b) for powers in row], n) for row in rows], y))
 
 
 def bound_line() -> tuple[float, float]:
     """a and d of b = a log(bound) + d, which is -1 at the lowest bound and 1 at the highest."""
     low, high = (log(bound) for bound in BOUNDS)
     return 2.0 / (high - low), -(high + low) / (high - low)
-
-
-def _in_y(coefficients: Sequence[Value], y: Value) -> Value:
-    tree: Tree = y.tree
-    *rest, result = coefficients
-    for coefficient in reversed(rest):
-        result = tree.math("MULTIPLY_ADD", result, y, coefficient)
-    return result
 
 
 # OSL

@@ -41,8 +41,8 @@ SIZE = 25, 82  # slopes and views of the table: an image of less than 100 kB
 PLACES = np.maximum(np.linspace(0.0, 1.0, SIZE[0]), 0.15), np.linspace(0.0, 1.0, SIZE[1])
 # Of the splines, in m^(1/2) and in u. A light that grazes needs more of the latter where steep views are.
 KNOTS = np.linspace(0.0, 1.0, 13), np.concatenate([np.arange(0.0, 0.2, 0.04), np.linspace(0.2, 1.0, 13)])
-Begins = tuple[tuple[float, float, int], ...]
-BEGINS: Begins = ((2.0, 1.0, 1), (1.65, 0.8, 2))  # of the second and the third lobe
+Begins = tuple[tuple[float, float, float], ...]
+BEGINS: Begins = ((2.05, 1.0, 1.35), (1.65, 0.8, 2.0))  # of the second and the third lobe
 MOST_LEAN = 0.9  # of the tilt at which the view would pass below a lobe's own horizon
 NARROWEST = 0.1  # (within / across)^2 at anisotropy 1: what Cycles' Metallic BSDF offers
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...addon.blender.course import DRIVINGS
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.oren_nayar_fit import KINDS
-from ..check.rows import NOISY_ROWS, SETUPS, Row, Setup, share_within, spread_z
+from ..check.rows import FLOAT_SUM, NOISY_ROWS, SETUPS, Row, Setup, share_within, spread_z
 from ..sidak import limit
 from . import stability_reference
 from .cells import Case
@@ -52,7 +52,6 @@ THETAS = (0.0, 45.0, 89.0, 89.9, 89.99, 89.99999)
 SIGMAS = (0.0, 1e-6, 0.1, 1.0, np.pi / 2)
 SIDES = ("outside", "inside")
 NEAREST = 90.0 - 2.0**-17  # degrees: what float32 holds of 90 - 1e-6
-ROUNDING = 2.0**-15.5  # of a sum of at most 2^17 samples in float32, as in ``View``
 FEW = 2  # a line's values in a quick report: its ends
 
 
@@ -224,7 +223,7 @@ def judged(line: Line, value: Any, setup: Setup | None) -> Case:
     z, resolves, unbiased = _unbiased(seen.row) if line.unbiased and seen.row and finite else (None, None, True)
     again = None if unbiased or seen.limit else _by_chance(line, value, setup)
     least = lowest is not None and lowest >= line.least
-    most = line.most is None or (highest is not None and highest - doubt <= line.most * (1.0 + ROUNDING))
+    most = line.most is None or (highest is not None and highest - doubt <= line.most * (1.0 + FLOAT_SUM))
     as_asked = most and (unbiased or bool(again) or bool(seen.limit))
     held = float(np.float32(value)) if setup and isinstance(value, float) else None
     passed = bool(least and as_asked and seen.holds)
@@ -266,10 +265,7 @@ def _highest(seen: Seen) -> tuple[float, float]:
 
 def _unbiased(row: Row) -> tuple[float, float, bool]:
     """Z of the common factor, how far off it would be seen, and whether all that is tested is as by chance."""
-    try:
-        z, resolved = row.scale_z, row.resolves * limit(NOISY) / limit(NOISY_ROWS)
-    except ZeroDivisionError:  # no pixel carries noise: each is judged by its rounding
-        z, resolved = 0.0, ROUNDING
+    z, resolved = row.scale_z, row.resolves * limit(NOISY) / limit(NOISY_ROWS)
     enough = all(share_within(view.z) >= row.bar for view in row.views)
     spread = max(spread_z(view.z) for view in row.views)
     by_chance = enough and abs(z) <= limit(NOISY) and spread <= limit(NOISY * len(row.views))

@@ -149,10 +149,11 @@ def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
 
 
 @cache
-def furnace_moments(fresnel: Fresnel, m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """E[w] and E[w^2] of ``mirror``'s weight for each row of a furnace, (32, 1, 3): the model is isotropic."""
+def furnace_moments(fresnel: Fresnel, m: float) -> tuple[NDArray[np.float64], ...]:
+    """E[w], E[w^2], E[w^3] of ``mirror``'s weight for each row of a furnace, (32, 1, 3): the model is isotropic."""
     column = furnace().wo()[:, :1]
-    return albedo(CookTorrance(m, fresnel), column), vgroove_albedo(column, m, fresnel, moment=2)
+    higher = (vgroove_albedo(column, m, fresnel, moment=moment) for moment in (2, 3))
+    return albedo(CookTorrance(m, fresnel), column), *higher
 
 
 def sun_row(setup: Setup, fresnel: str, m: float) -> Row:

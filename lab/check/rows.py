@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 NOISY_ROWS = 32  # rows judged by Z-tests in a plan that does not say how many it has
 MAX_PER_PIXEL_DOF = 100  # degrees of freedom; a variance that has more was pooled over many pixels
 ROUNDING = 2.0**-24  # float32 rounds a number near 1 by up to this much
+# A sum of N float32 samples rounds by sqrt(N) 2^-24 of the mean at random; N <= 2^17 gives this.
+FLOAT_SUM = 2.0**-15.5
 
 
 @dataclass(frozen=True)
@@ -77,8 +79,7 @@ class View:
         Over an estimated error that is Student's t, returned as the normal value of the same probability.
         """
         assert self.variance is not None
-        # A sum of N float32 samples rounds by sqrt(N) 2^-24 of the mean at random; N <= 2^17 gives 2^-15.5.
-        error = np.sqrt(self.variance + np.square(self.expected * 2.0**-15.5))
+        error = np.sqrt(self.variance + np.square(self.expected * FLOAT_SUM))
         difference = self.measured - self.expected
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(difference == 0, 0.0, difference / error)
@@ -133,13 +134,19 @@ class Row:
 
     @property
     def scale_z(self) -> float:
-        """Z of the one number that scales all pixels together: finds a 1 % error that single pixels hide in noise."""
-        return float(self._score() * np.sqrt(self._information()))
+        """Z of the one number that scales all pixels together: finds a 1 % error that single pixels hide in noise.
+
+        0 where no pixel carries noise: each alone is then held to its rounding.
+        """
+        return float(self._score() * np.sqrt(self._information())) if self._information() else 0.0
 
     @property
     def resolves(self) -> float:
         """The smallest common scale error that the row would turn red on, or its bar if it is free of noise."""
-        return float(limit(self.noisy_rows) / np.sqrt(self._information())) if self.is_noisy else self.bar
+        if not self.is_noisy:
+            return self.bar
+        information = self._information()
+        return float(limit(self.noisy_rows) / np.sqrt(information)) if information else FLOAT_SUM
 
     def _information(self) -> float:
         return sum(float(np.sum(expected**2 / variance)) for _, expected, variance in map(_noisy, self.views))
@@ -176,7 +183,7 @@ def _noisy(view: View) -> tuple[NDArray[np.float64], ...]:
     """
     assert view.variance is not None
     measured, expected, variance = (image[..., 0] for image in (view.measured, view.expected, view.variance))
-    rounding = np.square(expected * 2.0**-15.5)
+    rounding = np.square(expected * FLOAT_SUM)
     if view.degrees > MAX_PER_PIXEL_DOF:
         live = variance > rounding
         return measured[live], expected[live], variance[live]

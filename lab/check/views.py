@@ -13,7 +13,7 @@ from ...addon.models import MODELS
 from ...addon.models.estimators import NATIVE
 from ...addon.reference import rendered
 from ...addon.reference.quadrature import gauss_legendre
-from .rows import ROUNDING, SETUPS, Row, Setup, View
+from .rows import FLOAT_SUM, ROUNDING, SETUPS, Row, Setup, View
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -116,17 +116,31 @@ def furnace() -> gonio.Geometry:
     return gonio.Geometry(furnace=True, resolution=(FURNACE_SIZE, FURNACE_SIZE))
 
 
-def mirror_furnace_view(
-    preset: Preset, setup: Setup, moments: tuple[NDArray[np.float64], NDArray[np.float64]], samples: int
-) -> View:
+def mirror_furnace_view(preset: Preset, setup: Setup, moments: tuple[NDArray[np.float64], ...], samples: int) -> View:
     """``mirror`` under a white sky, against the directional albedo.
 
-    moments: mean and mean square of one sample's weight; both broadcast to (32, 32, 3).
+    moments: mean, mean square and, where few samples may lose light, mean cube of one sample's weight; each
+    broadcasts to (32, 32, 3).
     """
     shape = (FURNACE_SIZE, FURNACE_SIZE, 3)
-    mean, square = (np.broadcast_to(moment, shape) for moment in moments)
-    variance = np.maximum(square - mean**2, 0.0) / samples
-    return View(furnace(), measure(preset, setup, "mirror", furnace(), samples), mean, variance=variance)
+    mean, square, *cube = (np.broadcast_to(moment, shape) for moment in moments)
+    measured = measure(preset, setup, "mirror", furnace(), samples)
+    if cube:
+        return pooled_view(furnace(), events(mean, square, cube[0], samples), measured, mean, square, samples)
+    return View(furnace(), measured, mean, variance=np.maximum(square - mean**2, 0.0) / samples)
+
+
+def events(
+    mean: NDArray[np.float64], square: NDArray[np.float64], cube: NDArray[np.float64], samples: int
+) -> NDArray[np.float64]:
+    """The count whose skewness is that of a pixel's sum of samples, (H, W); infinite where only rounding is left.
+
+    A Poisson count of n has skewness n^(-1/2); a sum of N samples N^(-1/2) mu_3 / sigma^3.
+    """
+    variance = np.maximum(square - mean**2, 0.0)[..., 0]
+    third = (cube - 3.0 * mean * square + 2.0 * mean**3)[..., 0]
+    live = variance / samples > np.square(mean[..., 0] * FLOAT_SUM)
+    return np.where(live, samples * variance**3 / np.maximum(third**2, 1e-300), np.inf)
 
 
 def pooled_view(
