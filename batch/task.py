@@ -18,8 +18,9 @@ import bpy
 
 from ..addon.blender.images import MIN_FREE_BYTES, attribute, digest, digest_of_values, load, save
 from ..addon.library.errors import InputError
-from ..headless import assignment, memory, scene
+from ..headless import OVERFLOWED, assignment, memory, scene, stack_overflows
 from ..headless.sequence import SEED_STEP, is_done
+from ..nodegroups import versions as blenders
 from .job import digest_of
 from .mean import Mean
 from .outcome import RECORD, Outcome, read_record
@@ -83,20 +84,20 @@ class Renderer:
         shown = self._scene(task)
         frame, samples, resolution = self._own
         shown.frame_set(frame if task.frame is None else task.frame)
-        assignment.assign(
+        said = assignment.assign(
             shown, sorted(task.assignments), task.backend, task.estimator, task.bound, into=self._materials
         )
         began = time.perf_counter()
         size = task.resolution or resolution
-        if task.error is None:
-            mean = _of_samples(shown, task.samples or samples, task.seed, size)
-        else:
-            mean = _to_error(shown, task.error, task.seed, size)
-        rendered = time.perf_counter()
+        means: list[Mean] = []
+        overflowed = stack_overflows(lambda: means.append(_mean(shown, task, samples, size)))
+        rendered, (mean,) = time.perf_counter(), means
         absent = ", ".join(file for file, known in self._outside.items() if not known)
+        notes = [f"without files that are missing: {absent}"] if absent else []
+        notes += [OVERFLOWED] if overflowed else []
         outcome = Outcome(
             name, "rendered", rendered - start, rendered - began, mean.samples, mean.error, memory.peak(),
-            f"without files that are missing: {absent}" if absent else "",
+            "; ".join(filter(None, [*notes, *said, blenders.untested()])),
         )  # fmt: skip
         picture = mean.picture
         text = json.dumps({
@@ -185,6 +186,13 @@ def _obstacle(shown: Scene) -> str:
         "guides its paths": cycles.use_guiding,
     }
     return next((what for what, is_so in found.items() if is_so), "")
+
+
+def _mean(shown: Scene, task: Task, samples: int, size: tuple[int, int]) -> Mean:
+    """The task's picture. samples, size: where the task has none of its own."""
+    if task.error is None:
+        return _of_samples(shown, task.samples or samples, task.seed, size)
+    return _to_error(shown, task.error, task.seed, size)
 
 
 def _of_samples(shown: Scene, samples: int, seed: int, resolution: tuple[int, int]) -> Mean:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -58,6 +59,9 @@ OpenJdOption = Annotated[
     Path | None,
     typer.Option("--openjd", metavar="FILE", help="Write an Open Job Description template; render nothing"),
 ]
+
+
+MOST_NOTES = 10  # lines of warnings after a batch
 
 
 def batch(
@@ -161,6 +165,11 @@ def _render(tasks: Sequence[Task], table: Path, outcomes: Generator[Outcome], la
     out.print(results.summary(list(found.values())))
     if failed:
         out.print(results.failures(named, failed))
+    notes = Counter(one.reason for one in found.values() if one.status != "failed" and one.reason)
+    for note, count in notes.most_common(MOST_NOTES):
+        say(f"warning: {count} of {len(tasks)} tasks: {note}")
+    if len(notes) > MOST_NOTES:
+        say(f"warning: {table} has {len(notes) - MOST_NOTES} more")
     before = f", {kept} of them there already" if kept else ""
     say(f"wrote {len(found) - len(failed)} stills to {table.parent}{before}")
     if failed:

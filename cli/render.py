@@ -155,8 +155,8 @@ def render(
         for text in advice:
             say(f"warning: {text}")
         if not span:
-            with headless.quiet():
-                scene.still(stage, output, **pixels)
+            if headless.stack_overflows(lambda: scene.still(stage, output, **pixels)):
+                say(f"warning: {headless.OVERFLOWED}")
             say(f"wrote {output}")
             return
     identity = [
@@ -279,11 +279,15 @@ def _render_frames(
         sequence.check_size(settings["resolution"] or scene.size(stage))
     if not scene.remembers(stage):
         stage.render.use_persistent_data = True  # Cycles is given only what changes from frame to frame
-    kept, note = 0, sequence.note(identity)
+    kept, note, overflowed = [], sequence.note(identity), False
     for frame in progress(span, "rendering", len(span)):
-        with headless.quiet():
-            kept += sequence.frame_to(stage, frame, _numbered(output, frame), note, **settings)
-    before = f", {kept} of them there already" if kept else ""
+        path = _numbered(output, frame)
+        overflowed |= headless.stack_overflows(
+            lambda frame=frame, path=path: kept.append(sequence.frame_to(stage, frame, path, note, **settings))
+        )
+    if overflowed:
+        say(f"warning: {headless.OVERFLOWED}")
+    before = f", {sum(kept)} of them there already" if any(kept) else ""
     say(f"wrote {len(span)} frames, {output}{before}")
 
 

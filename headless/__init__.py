@@ -50,14 +50,23 @@ def quiet() -> Iterator[None]:
         os.close(kept)
 
 
+OVERFLOWED = (
+    "a material has more nodes than Cycles has stack for and is black: "
+    "remove nodes or textures from it, or choose Standard"
+)
+
+
 def stack_overflows(render: Callable[[], object]) -> bool:
-    """Whether Cycles ran out of stack in ``render()``: it says so on the standard streams, at the C level, alone."""
+    """Whether Cycles ran out of stack in ``render()``: it says so on the standard streams, at the C level, alone.
+
+    What else it says on standard output is left out; standard error gets its own back.
+    """
     sys.stdout.flush()
     sys.stderr.flush()
     kept = {stream: os.dup(stream) for stream in (1, 2)}
-    with tempfile.TemporaryFile() as heard:
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         try:
-            for stream in kept:
+            for stream, heard in ((1, out), (2, err)):
                 os.dup2(heard.fileno(), stream)
             render()
         finally:
@@ -66,5 +75,8 @@ def stack_overflows(render: Callable[[], object]) -> bool:
             for stream, before in kept.items():
                 os.dup2(before, stream)
                 os.close(before)
-        heard.seek(0)
-        return OVERFLOW in heard.read()
+            for heard in (out, err):
+                heard.seek(0)
+            said = out.read(), err.read()
+            os.write(2, said[1])
+        return OVERFLOW in b"".join(said)

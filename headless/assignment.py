@@ -11,7 +11,7 @@ import bpy
 from ..addon.blender import facts
 from ..addon.blender.material import Choice, build
 from ..addon.blender.slots import give, refusal
-from ..addon.choose.advice import problems_with
+from ..addon.choose.advice import problems_in, problems_with
 from ..addon.choose.automatic import pick_estimator
 from .scene import SceneError
 
@@ -35,7 +35,9 @@ def assign(
     into: dict[str, Material] | None = None,
     where: str = "",
 ) -> list[str]:
-    """Assign presets to objects by name; those that change are animated by ``play``. Returns warnings, each once.
+    """Assign presets to objects by name; those that change are animated by ``play``.
+
+    Returns warnings, each once, also of the materials that the scene had before.
 
     assignments: by name, "OBJECT" for its active slot or "OBJECT:SLOT". Objects that share a mesh each get their own.
     estimator: "auto" picks one for each. into: objects' materials of an earlier call, which become those of this one.
@@ -59,7 +61,7 @@ def assign(
         chosen_for.append((preset, chosen))
     known = facts.of(scene)  # with the new materials
     found = [p for preset, chosen in chosen_for for p in problems_with(known, preset, backend, chosen)]
-    return list(said | dict.fromkeys(problem.text for problem in found))
+    return list(said | dict.fromkeys(problem.text for problem in problems_in(known, found)))
 
 
 def _slot(scene: Scene, name: str, wanted: str, known: Material | None) -> tuple[Object, int, list[str]]:

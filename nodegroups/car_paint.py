@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Car Paint"
-REVISION = 5
+REVISION = 6
 OWN = {one.label for one in MODEL.lobes if one != SHARE}  # inputs that each lobe has for itself
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Fit"
-REVISION = 7
+REVISION = 8
 LOOK_UP_NAME = "VGroove Fit Lobes"
 
 

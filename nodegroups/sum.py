@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Sum"
-REVISION = 5
+REVISION = 6
 
 
 def build(

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..addon.models import Form
 
 NAME = "VGroove Translucent"
-REVISION = 5
+REVISION = 6
 
 
 def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bool = False) -> None:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import sys
 import uuid
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from vgroove import headless
 
@@ -27,11 +26,8 @@ from vgroove.addon.blender import (  # noqa: E402
     material,
 )
 from vgroove.addon.choose import automatic  # noqa: E402
-from vgroove.addon.library import presets  # noqa: E402
+from vgroove.addon.library import families, presets  # noqa: E402
 from vgroove.addon.library.files import replacing  # noqa: E402
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 PREVIEWS = Path(__file__).parent.parent / "previews"
 CATALOGS = uuid.UUID("5b1c3a0e-6f0d-4d53-9b3e-0d3b8f3a7c11")  # catalogs keep their ids for ever: families hang on it
@@ -39,19 +35,16 @@ PIXELS = 128  # as large as the Asset Browser shows them; pictures are most of t
 AUTHOR, LICENCE = "The vgroove authors", "GPL-3.0-or-later"
 
 
-def catalog(family: str) -> uuid.UUID:
-    return uuid.uuid5(CATALOGS, family)
+def catalog(title: str) -> uuid.UUID:
+    """The id of a family's catalog, by its first folder."""
+    return uuid.uuid5(CATALOGS, next(family["folders"][0] for family in families.TABLE if family["title"] == title))
 
 
-def catalogs(families: Iterable[str]) -> str:
+def catalogs() -> str:
     """blender_assets.cats.txt: a catalog a family below one of our own."""
     lines = [f"{CATALOGS}:V-Groove:V-Groove"]
-    lines += [f"{catalog(family)}:V-Groove/{title(family)}:V-Groove-{title(family)}" for family in sorted(families)]
+    lines += [f"{catalog(title)}:V-Groove/{title}:V-Groove-{title}" for title in sorted(families.TITLES)]
     return "VERSION 1\n\n" + "\n".join(lines) + "\n"
-
-
-def title(family: str) -> str:
-    return family.replace("_", " ").capitalize()
 
 
 def as_asset(preset: presets.Preset, name: str) -> bpy.types.Material:
@@ -62,7 +55,7 @@ def as_asset(preset: presets.Preset, name: str) -> bpy.types.Material:
     made.name = name
     made.asset_mark()
     data = made.asset_data
-    data.catalog_id = str(catalog(preset.family))
+    data.catalog_id = str(catalog(families.of(preset)))
     data.author, data.license = AUTHOR, LICENCE
     data.description = f"{preset.name}: {preset.source['trust']}. Source: {preset.source['data']}"
     for tag in dict.fromkeys((preset.family.replace("_", " "), *preset.tags)):
@@ -101,7 +94,7 @@ def write(folder: Path) -> Path:
     with replacing(path) as temporary:
         bpy.ops.wm.save_as_mainfile(filepath=str(temporary), compress=True, copy=True)
     with replacing(folder / "blender_assets.cats.txt") as temporary:
-        temporary.write_text(catalogs({preset.family for preset in shown}), encoding="utf-8")
+        temporary.write_text(catalogs(), encoding="utf-8")
     return path
 
 

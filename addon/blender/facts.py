@@ -9,7 +9,7 @@ and hands them on, as ``of`` takes a scene or its facts.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import atan2, radians
 from typing import TYPE_CHECKING, Any
@@ -186,8 +186,11 @@ def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
         item: _materials(item) for item in found if item.type in SURFACES or item.type == "VOLUME"
     }
     for material in {one for used in materials.values() for one in used}:
-        tree = None if is_ours(material) else versions.used_nodes(material)
+        tree = versions.used_nodes(material)
         looks[material] = Traits() if tree is None else _traits(tree, of_trees)
+        if is_ours(material):  # what an artist added to it counts, and a sheet, which Cycles' shadow rays pass
+            sheet = origin_of(material).preset.is_sheet
+            looks[material] = replace(looks[material], transparent=looks[material].transparent or sheet, volume=False)
     shining = {item: max((looks[one].strength for one in used), default=0.0) for item, used in materials.items()}
     middle = _middle([item for item, strength in shining.items() if strength == 0.0])
     sky = _sky(scene.world, of_trees)

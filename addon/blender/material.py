@@ -173,7 +173,7 @@ def animate(material: Material, record: Record) -> None:
 def absorbs(preset: Preset) -> bool:
     """Whether light loses something on its way through the material: a sheet has no inside, and white takes nothing."""
     taken = preset.parameters.get("absorption", 0.0)
-    return preset.kind != "thin" and isinstance(taken, tuple) and any(taken)
+    return not preset.is_sheet and isinstance(taken, tuple) and any(taken)
 
 
 def _absorb(tree: ShaderNodeTree, output: Node, taken: Any) -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ from .automatic import slope_limit
 from .fixes import clear_offsets, give_size, rebuild_all, sample_lights, set_size, set_values
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from bpy.types import Scene
 
@@ -61,7 +61,7 @@ def problems(
     spec = MODELS[model]
     if estimator not in spec.estimators:
         others = ", ".join(map(name_of, spec.estimators))
-        text = f"This material has no {name_of(estimator)}; choose {others} or Automatic"
+        text = f"This material has no {name_of(estimator)}; choose {others} or Standard"
         return [*found, Problem("model", text)]
     bound = known.to_bind(estimator, model)
     if estimator in RANDOM and (m > 0.0 or not spec.smooth_estimator):  # a smooth interface draws nothing
@@ -95,9 +95,22 @@ def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estim
     for part in list(preset.parts().values()) or [preset]:
         if part.spec.has_fresnel and estimator in preset.spec.estimators:
             found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
-    if preset.transparent and preset.kind != "thin":  # a sheet has no inside
+    if preset.transparent and not preset.is_sheet:  # a sheet has no inside
         found += _bounce_problems(known.scene)
     return [*found, *cycles_problems(known.scene), *_stale_problems(known)]
+
+
+def problems_in(scene: Scene | SceneFacts, found: Iterable[Problem] = ()) -> list[Problem]:
+    """``found``, and beside that what is wrong for the materials that the scene has, by the first one's name."""
+    known = facts.of(scene)
+    listed = list(found) or [*cycles_problems(known.scene), *_stale_problems(known)]
+    texts = {problem.text for problem in listed}
+    for made, origin in known.origins.items():
+        for problem in problems_with(known, origin.preset, origin.backend, origin.estimator) if origin else ():
+            if problem.text not in texts:
+                texts.add(problem.text)
+                listed.append(replace(problem, text=f"{made.name}: {problem.text}"))
+    return listed
 
 
 def name_of(estimator: str) -> str:

@@ -130,7 +130,7 @@ def _left_out(preset: Preset, estimator: str) -> Iterator[Line]:
     if not preset.spec.is_diffuse:
         yield Line("diffuse part", "the preset has none", kept=False)
     if preset.transparent and not absorbs(preset):
-        why = "a sheet has no inside" if preset.kind == "thin" else "the body is clear"
+        why = "a sheet has no inside" if preset.is_sheet else "the body is clear"
         yield Line("absorption", why, kept=False)
     if not preset.transparent:
         yield Line("transmission", "the preset is opaque", kept=False)

@@ -65,6 +65,11 @@ class Preset:
         return self.spec.transparent
 
     @property
+    def is_sheet(self) -> bool:
+        """Whether it is a thin sheet, without an inside."""
+        return self.kind in self.spec.sheets
+
+    @property
     def lobes(self) -> int:
         """How many lobes it has beside its own numbers; 0 for most models."""
         return sum(base_name(key) != key for key in self.parameters) // max(len(self.spec.lobes), 1)

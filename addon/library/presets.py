@@ -13,6 +13,7 @@ from .checks import PresetError
 from .files import FileError, read_text
 from .parsing import parse
 from .preset import Preset
+from .search import search as search_among
 
 __all__ = [
     "Preset",
@@ -157,6 +158,5 @@ def find(name: str) -> Preset:
 
 
 def search(query: str) -> list[Preset]:
-    """Presets whose id, name or tags contain every word of ``query``, in order of id."""
-    words = query.casefold().split()
-    return [p for p in all_presets().values() if all(w in " ".join((p.id, p.name, *p.tags)).casefold() for w in words)]
+    """Presets that have every word of ``query``, the best first (``search.search``); all, by id, if it has none."""
+    return search_among(query, all_presets().values())

@@ -24,5 +24,5 @@ MODEL = Model(
     has_fresnel=True,
     kinds=fresnel.LABELS,
     reference=_reference,
-    most_lights_4_5={"corrected": 4},
+    most_lights_4_5={"corrected": 4, "direct": 6},
 )

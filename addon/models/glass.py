@@ -32,6 +32,7 @@ MODEL = Model(
     reference=_reference,
     solid=lambda form: form.parameters["tint"],
     transparent=True,
+    sheets=frozenset({"thin"}),
     smooth_estimator="mirror",
     of_cycles=lambda _estimator, backend: backend == "osl",  # 5.3's OSL turns the IOR of back faces itself
 )

@@ -72,6 +72,7 @@ class Model:
     label: in Blender. opening: how the tip of a preset begins.
     parameters: its own, in the order of its sockets; a Fresnel term's come beside them.
     kinds: the forms it has, with their labels; the first is the default. Of ``has_fresnel``: the Fresnel kinds.
+    sheets: kinds that are a thin sheet, without an inside.
     flags: what is true or false of a preset; false where the file does not say.
     parts: name and model of what it is made of. lobes: parameters of one lobe, ``lobe_model`` of it, at most so many.
     estimators: those it has, of ``estimators.ESTIMATORS``.
@@ -103,7 +104,7 @@ class Model:
     account: Callable[[Form], Iterable[tuple[str, str]]] | None = None
     solid: Callable[[Form], tuple[float, ...]] | None = None
     transparent: bool = False
-    anisotropic: bool = False
+    sheets: frozenset[str] = frozenset()
     is_diffuse: bool = False
     mirrors: bool = True
     smooth_estimator: str = ""

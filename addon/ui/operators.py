@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
@@ -18,7 +18,7 @@ from ..library import writing as preset_files
 from ..library.errors import InputError
 from ..library.files import replacing
 from . import course, memory, watch
-from .properties import chosen_preset
+from .properties import chosen_preset, matching
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,6 +42,9 @@ class VGROOVE_OT_apply(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not context.selected_objects:
             cls.poll_message_set("Select the objects that should get the material")
+            return False
+        if not matching(context.scene.vgroove):
+            cls.poll_message_set("The family or the search lists no preset; choose another or clear the search")
             return False
         if context.scene.vgroove.backend == "osl" and not bpy.app.build_options.cycles_osl:
             cls.poll_message_set("This Blender was built without OSL; choose the backend Nodes")
@@ -402,11 +405,18 @@ def pick(shown: bpy.types.Scene | SceneFacts) -> automatic.Pick:
     return automatic.Pick(picked.estimator, f"{preset.name} has no {wanted}; Standard is used: {picked.why}")
 
 
+_answered: list[Any] = []  # the facts that were last asked of, for which choice, and the problems
+
+
 def current_problems(shown: bpy.types.Scene | SceneFacts) -> list[advice.Problem]:
-    """The scene settings that would spoil the render, for the panel's settings."""
+    """The scene settings that would spoil the render, for the panel's settings and for the scene's own materials."""
     known = facts.of(shown)
     settings = known.scene.vgroove
-    return advice.problems_with(known, chosen_preset(settings), settings.backend, chosen_estimator(known))
+    asked = chosen_preset(settings).id, settings.backend, chosen_estimator(known)
+    if not _answered or _answered[0] is not known or _answered[1] != asked:  # the same object until the scene changes
+        chosen = advice.problems_with(known, chosen_preset(settings), *asked[1:])
+        _answered[:] = known, asked, advice.problems_in(known, chosen)
+    return _answered[2]
 
 
 CLASSES = (

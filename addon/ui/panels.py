@@ -135,18 +135,30 @@ def _shows_estimators(settings: bpy.types.PropertyGroup) -> bool:
 
 
 def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, preset: presets.Preset) -> None:
-    """The filter, and the presets that pass it as pictures to choose from."""
+    """The family or the search, and the presets that it lists as pictures to choose from."""
     column = layout.column(align=True)
     column.use_property_split = False
-    column.prop(settings, "family", text="")
+    row = column.row()
+    row.active = not settings.search.strip()  # a search looks into all families
+    row.prop(settings, "family", text="")
     column.prop(settings, "search", text="", icon="VIEWZOOM")
+    listed = properties.matching(settings)
+    if text := listing(settings, len(listed)):
+        column.label(text=text)
+    if not listed:
+        return
     column.template_icon_view(settings, "shown", show_labels=True, scale=7.0, scale_popup=5.0)
     row = column.row(align=True)
     row.prop(settings, "shown", text="")
     star = "SOLO_ON" if preset.id in memory.favourites() else "SOLO_OFF"
     row.operator("vgroove.favourite", text="", icon=star)
-    if not properties.matching(settings):
-        column.label(text="No match. Choose All or clear the search", icon="INFO")
+
+
+def listing(settings: bpy.types.PropertyGroup, count: int) -> str:
+    """How many presets a search found; why none is shown."""
+    if settings.search.strip():
+        return f"{count} found" if count else "Nothing found. Try another word, or clear the search"
+    return "" if count else "No presets here yet. Choose another family"
 
 
 CLASSES = (VGROOVE_PT_material, VGROOVE_PT_advice, VGROOVE_PT_parameters, VGROOVE_PT_source)

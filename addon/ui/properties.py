@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import bpy
 
-from ..library import presets
+from ..library import families, presets
 from ..models import estimators
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
 from . import memory, thumbnails
@@ -46,7 +46,7 @@ ESTIMATORS = (
 )
 
 ALL, FAVOURITES, RECENT = "ALL", "FAVOURITES", "RECENT"
-FIRST = "lecture/copper"
+FIRST = "metals/copper"
 Item = tuple[str, str, str, int, int]
 _families: list[Item] = []  # Blender keeps no reference to the texts of a dynamic enum
 _shown: list[Item] = []
@@ -71,30 +71,45 @@ def family_items(_self: object, _context: object) -> list[Item]:
         (FAVOURITES, "Favourites", "Presets with a star", "SOLO_ON"),
         (RECENT, "Recently Used", "Presets you applied last", "TIME"),
     ]
-    for family in sorted(counts, key=lambda one: (one != presets.FIRST_FAMILY, one)):
-        title = family.replace("_", " ").title()
-        rows.append((family, f"{title} ({counts[family]})", f"Presets of the family {title}", "NONE"))
+    rows += [(title, f"{title} ({count})", f"Presets of the family {title}", "NONE") for title, count in counts.items()]
     icons = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items
     _families[:] = [(name, label, tip, icons[icon].value, number(name)) for name, label, tip, icon in rows]
     return _families
 
 
 @lru_cache(maxsize=2)
-def _counts(identities: tuple[str, ...]) -> Counter[str]:
-    """How many presets each family has. Cached: Blender asks for the list of families at every redraw."""
-    return Counter(identity.split("/")[0] for identity in identities)
+def _counts(identities: tuple[str, ...]) -> dict[str, int]:
+    """How many presets each family has, those of the user first. Cached: Blender asks for the list at every redraw."""
+    counts = Counter(map(families.title, identities))
+    own = [title for title in counts if title not in families.TITLES]
+    return {title: counts[title] for title in (*sorted(own), *families.TITLES) if counts[title]}
 
 
 def matching(settings: VGrooveSettings) -> list[presets.Preset]:
-    """The presets of the chosen family whose id, name or tags contain every word of the search."""
+    """What the search finds in all families, the best first; without one, the presets of the chosen family."""
+    known = presets.all_presets()
+    if words := settings.search.strip():
+        return [known[identity] for identity in _found(words, tuple(known))]
     family = settings.family  # read once: Blender rebuilds the list of families each time
-    hits = presets.search(settings.search)
     if family in {FAVOURITES, RECENT}:
         ids = memory.favourites() if family == FAVOURITES else memory.recent()
-        return sorted((p for p in hits if p.id in ids), key=lambda p: ids.index(p.id))
-    if family != ALL:
-        hits = [p for p in hits if p.id.startswith(f"{family}/")]
-    return sorted(hits, key=lambda p: (not p.id.startswith(f"{presets.FIRST_FAMILY}/"), p.id))
+        return [known[identity] for identity in ids if identity in known]
+    return [known[identity] for identity in _in_family(family, tuple(known))]
+
+
+# Cached, as Blender asks at every redraw, several times.
+
+
+@lru_cache(maxsize=2)
+def _found(words: str, _identities: tuple[str, ...]) -> list[str]:
+    return [preset.id for preset in presets.search(words)]
+
+
+@lru_cache(maxsize=2)
+def _in_family(family: str, identities: tuple[str, ...]) -> list[str]:
+    listed = [one for one in identities if family in {"", ALL, families.title(one)}]
+    order = (*dict.fromkeys(families.title(one) for one in listed if families.title(one) not in families.TITLES),)
+    return sorted(listed, key=lambda one: ((*order, *families.TITLES).index(families.title(one)), one))
 
 
 def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
@@ -104,11 +119,18 @@ def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
 
 
 def shown_items(settings: VGrooveSettings, _context: object) -> list[Item]:
-    """The presets found, each with its picture, and always the chosen one, whatever the search."""
+    """The presets found, each with its picture; the chosen one is among them, or none was found."""
     rows, chosen = matching(settings), chosen_preset(settings)
     rows = rows if chosen in rows else [chosen, *rows]
     _shown[:] = [(p.id, p.name, _tip(p), thumbnails.icon(p), number(p.id)) for p in rows]
     return _shown
+
+
+def _choose_shown(settings: VGrooveSettings, _context: object) -> None:
+    """Another family or search: where the chosen preset is not among what it lists, its first one is chosen."""
+    listed = matching(settings)
+    if listed and chosen_preset(settings) not in listed:
+        settings.preset = listed[0].id
 
 
 def _get_shown(settings: VGrooveSettings) -> int:
@@ -133,15 +155,23 @@ class VGrooveSettings(bpy.types.PropertyGroup):
     """What Apply applies to the selected objects."""
 
     preset: bpy.props.StringProperty(
-        name="Preset", description="The material to apply, by id", default=FIRST, options={"HIDDEN"}
+        name="Preset",
+        description="The material to apply, by id",
+        default=FIRST,
+        options={"HIDDEN"},
     )
     family: bpy.props.EnumProperty(
-        name="Family", description="Which presets to list", items=family_items, default=number(presets.FIRST_FAMILY)
+        name="Family",
+        description="Which presets to list",
+        items=family_items,
+        default=number(families.TITLES[0]),
+        update=_choose_shown,
     )
     search: bpy.props.StringProperty(
         name="Search",
-        description="Words that a preset's id, name or tags must contain, such as: gold satin",
+        description="Words to find in all families, such as: gold satin",
         options={"TEXTEDIT_UPDATE"},
+        update=_choose_shown,
     )
     shown: bpy.props.EnumProperty(
         name="Preset", description="The material to apply", items=shown_items, get=_get_shown, set=_set_shown

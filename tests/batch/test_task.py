@@ -10,6 +10,7 @@ import pytest
 
 from vgroove import headless
 from vgroove.addon.blender import images
+from vgroove.addon.blender.material import Choice, build
 from vgroove.addon.blender.roles import KEY
 from vgroove.addon.library.presets import all_presets, find
 from vgroove.batch import task as batch_task
@@ -218,6 +219,27 @@ def test_a_texture_that_is_missing_is_told_and_missed(blender, gate):
     assert rendered(Renderer(gate, VERSIONS), task)[0] == "rendered"
     images.write(gate / "tile.1002.png", np.ones((4, 4, 3), np.float32), {})
     assert rendered(Renderer(gate, VERSIONS), task)[0] == "rendered"
+
+
+def test_what_is_to_be_known_of_a_task_is_told(blender, gate, monkeypatch):
+    """Which slot got the material; what spoils a material that the file brings; and a shader that is too large."""
+    with headless.quiet():
+        shown = blender.context.scene
+        ball = shown.objects["Ball"]
+        for name in ("body", "trim"):
+            ball.data.materials.append(blender.data.materials.new(name))
+        shown.cycles.sample_clamp_direct = 1.0
+        shown.objects["Floor"].active_material = build(find("copper"), Choice("nodes", "hybrid"))
+        blender.ops.wm.save_mainfile()
+        renderer = Renderer(gate, VERSIONS)
+        named = renderer.attempt(tasks(SMALL + 'scene = "gate.blend"\nobject = "Ball"\npreset = "gold"', gate)[0])
+        monkeypatch.setattr(batch_task, "stack_overflows", lambda render: render() or True)
+        alone = renderer.attempt(tasks(SMALL + 'scene = "gate.blend"', gate)[0])
+    assert (named.status, alone.status) == ("rendered", "rendered")
+    assert "slots" in named.reason
+    assert all("Copper: Clamp Direct" in one.reason for one in (named, alone))
+    assert headless.OVERFLOWED in alone.reason
+    assert headless.OVERFLOWED not in named.reason
 
 
 def test_scenes_made_for_films_and_stereo_are_rendered_as_stills(blender, gate):

@@ -4,6 +4,8 @@
 import pytest
 
 from vgroove.addon.blender import facts
+from vgroove.addon.blender.material import Choice, build
+from vgroove.addon.library import presets
 from vgroove.nodegroups import versions
 
 from ..scenes import add, add_card, add_light, add_world, by_instance, in_background_set
@@ -166,6 +168,33 @@ def test_shining_objects_are_known_by_used_nodes(stage, blender):
     use.node_tree = group
     tree.links.new(use.outputs[0], output.inputs["Surface"])
     assert strengths() == [3.0]
+
+
+def test_what_an_artist_adds_to_our_materials_counts(stage):
+    """Emission beside it, and Transparent; by itself ours neither shines nor lets light pass."""
+    card = add_card(stage, "Emission")
+    card.active_material = made = build(presets.find("copper"), Choice("nodes", "closure"))
+    assert facts.of(stage).emitters == facts.of(stage).seen_through == ()
+    tree = made.node_tree
+    output = next(
+        node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial" and node.target != "EEVEE"
+    )
+    ours = output.inputs["Surface"].links[0].from_socket
+    for kind in ("ShaderNodeEmission", "ShaderNodeBsdfTransparent"):
+        added, both = tree.nodes.new(kind), tree.nodes.new("ShaderNodeAddShader")
+        tree.links.new(ours, both.inputs[0])
+        tree.links.new(added.outputs[0], both.inputs[1])
+        tree.links.new(both.outputs[0], output.inputs["Surface"])
+        known = facts.of(stage)
+        assert bool(known.emitters) == (kind == "ShaderNodeEmission")
+        assert known.seen_through == ((card.name,) if kind == "ShaderNodeBsdfTransparent" else ())
+
+
+@pytest.mark.parametrize(("name", "passes"), [("glasses/window", True), ("glasses/glass", False)])
+def test_a_sheet_of_glass_lets_shadow_rays_pass(stage, name, passes):
+    card = add_card(stage, "Emission")
+    card.active_material = build(presets.find(name), Choice("nodes", "mirror"))
+    assert facts.of(stage).seen_through == ((card.name,) if passes else ())
 
 
 @pytest.mark.parametrize(("side", "small"), [(0.2, True), (3.0, False)])

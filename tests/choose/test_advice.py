@@ -309,6 +309,22 @@ def test_a_material_without_its_group_is_said_not_raised(stage, blender):
     assert "Point" in found["stale Kept"]
 
 
+def test_materials_in_the_scene_are_judged_by_what_they_are(stage):
+    """Whatever the panel is set to: by name, each text once; a scene's own problems without one."""
+    stage.cycles.sample_clamp_direct = 1.0
+    preset = presets.find("copper")
+    assert [p.key for p in advice.problems_in(stage, advice.problems_with(stage, preset, "nodes", "fit"))] == []
+    for name in ("A", "B"):
+        item = add(stage, name, scene.ball_mesh())
+        item.active_material = material.build(preset, material.Choice("nodes", "hybrid"))
+    found = advice.problems_in(stage, advice.problems_with(stage, preset, "nodes", "fit"))
+    (clamped,) = (p for p in found if p.key == "clamp-direct")
+    assert clamped.text.startswith("Copper: Clamp Direct")
+    assert clamped.fix is not None
+    own = advice.problems_with(stage, preset, "nodes", "hybrid")
+    assert advice.problems_in(stage, own) == own
+
+
 def test_nothing_is_said_of_lights_twice(stage, monkeypatch):
     """One copper asks for the scene's lights once, whatever is to be said of them."""
     asked, all_lights = [], lamps.all_lights

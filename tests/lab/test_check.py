@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cycles against NumPy: the whole plan of ``vgroove check``, and that it turns red."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -26,7 +27,7 @@ from vgroove.lab.check.cook_torrance import (
     sun_row,
 )
 from vgroove.lab.check.rows import SETUPS, Row, View, surely_seen
-from vgroove.lab.check.views import closure_bar, direct_bar, disc, furnace, measure
+from vgroove.lab.check.views import closure_bar, direct_bar, disc, events, furnace, measure
 from vgroove.nodegroups import beckmann_d, osl_script, random_numbers, vgroove_g
 from vgroove.nodegroups._tree import Value
 
@@ -76,6 +77,28 @@ def test_a_row_is_judged_by_the_size_of_its_own_plan():
 def test_rows_of_other_plans_know_theirs(instrument, row, noisy_rows):
     """One of each: the other tests of these plans hold what it resolves to the same number."""
     assert row().noisy_rows == noisy_rows
+
+
+@pytest.mark.parametrize("rare", [1e-6, 1e-3, 0.5])
+def test_pixels_that_lose_light_rarely_are_judged_as_the_count_of_these(rare):
+    """A sample is worth 0 with the chance ``rare``, else 1: of N samples N rare are expected to be lost.
+
+    Near one half a sum is as symmetric as that of many more; where no sample is lost only rounding is left.
+    """
+    weight = np.full((1, 1, 3), 1.0 - rare)
+    count = events(weight, weight, weight, 1024)[0, 0]
+    skewness = (1.0 - 2.0 * rare) / np.sqrt(rare * (1.0 - rare) * 1024)
+    assert count == pytest.approx(skewness**-2, rel=1e-6) if rare < 0.5 else count > 1e6
+    assert np.isinf(events(*3 * [np.ones((1, 1, 3))], 1024)).all()
+
+
+def test_a_row_without_noise_is_judged_by_its_pixels():
+    """None has a scale that noise hides, and a pixel that is off by more than rounding turns it red."""
+    ones = np.ones((20, 3))
+    view = View(furnace(), ones, ones, variance=0.0 * ones)
+    assert Row("", SETUPS[0], views=[view]).passed
+    assert Row("", SETUPS[0], views=[view]).resolves < 1e-4
+    assert not Row("", SETUPS[0], views=[replace(view, measured=ones * 1.001)]).passed
 
 
 def test_a_furnace_view_may_expect_another_albedo_at_each_azimuth(monkeypatch):

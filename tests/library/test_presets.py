@@ -8,7 +8,6 @@ import tomllib
 import numpy as np
 import pytest
 
-from vgroove.addon.library import presets
 from vgroove.addon.library.checks import PresetError
 from vgroove.addon.library.presets import FOLDER, all_presets, find, load, load_folder, parse
 from vgroove.addon.models import parameter
@@ -106,13 +105,6 @@ def test_parameters_change_within_their_ranges():
     assert find("copper").m == 0.3
     with pytest.raises(PresetError, match='preset lecture/copper: unknown key "eta"'):
         find("copper").with_parameters(eta=1.5)
-
-
-def test_search_looks_into_names_and_tags():
-    assert [preset.id for preset in presets.search("METAL lecture")] == ["lecture/aluminium", "lecture/copper"]
-    assert {preset.family for preset in presets.search("transparent water")} == {"crystals", "glasses", "liquids"}
-    assert len(presets.search("")) >= len(LECTURE)
-    assert presets.search("no such thing") == []
 
 
 GLASS = 'name = "G"\nmodel = "glass"\nm = 0.1\neta = 1.5\n[source]\ndata = "x"\n'

@@ -13,6 +13,7 @@ import pytest
 from vgroove.addon.blender.material import Choice, build, origin_of, plays
 from vgroove.addon.blender.roles import KEY
 from vgroove.addon.choose import automatic
+from vgroove.addon.library import families
 from vgroove.addon.library.presets import shipped
 from vgroove.nodegroups import fit_table, versions
 
@@ -58,13 +59,13 @@ def test_catalogs_are_the_families_and_keep_their_ids(blender, library):
     lines = library.with_name("blender_assets.cats.txt").read_text(encoding="utf-8").splitlines()
     assert lines[0] == "VERSION 1"
     entries = {path: uuid.UUID(identity) for identity, path, _ in (line.split(":") for line in lines if ":" in line)}
-    assert len(entries) == 1 + len(FAMILIES)
+    assert len(entries) == 1 + len(families.TITLES)
     assert entries["V-Groove"] == uuid.UUID("5b1c3a0e-6f0d-4d53-9b3e-0d3b8f3a7c11")
     assert entries["V-Groove/Metals"] == uuid.UUID("a5fc2f08-a3a4-5c52-a5b2-8bb2ea57ab0b")
-    assert entries["V-Groove/Finished metals"] == uuid.UUID("db7bb55d-0e6f-5d34-a87a-d221678ee9c6")
+    assert entries["V-Groove/Brushed and Finished Metals"] == uuid.UUID("db7bb55d-0e6f-5d34-a87a-d221678ee9c6")
     for identity, material in appended(blender, library).items():
-        family = identity.split("/")[0].replace("_", " ").capitalize()
-        assert uuid.UUID(material.asset_data.catalog_id) == entries[f"V-Groove/{family}"]
+        title = families.title(identity)
+        assert uuid.UUID(material.asset_data.catalog_id) == entries[f"V-Groove/{title}"]
 
 
 def test_appended_materials_render_as_those_built_directly(balls, blender, library):

@@ -425,19 +425,48 @@ def test_a_model_that_lacks_a_quality_gets_standard_and_the_panel_says_so(extens
 
 
 def test_the_search_offers_what_it_finds(extension):
-    """In id, name and tags, within the family; the chosen preset is always there, as one cannot choose nothing."""
+    """In all families, the best first; what is shown is one of the hits, and Apply applies it."""
     from vgroove.addon.ui import properties
 
     settings = extension.context.scene.vgroove
-    assert (settings.family, settings.preset, settings.shown) == ("lecture", "lecture/copper", "lecture/copper")
-    settings.family, settings.search = properties.ALL, "gold SATIN"
+    assert (settings.family, settings.preset, settings.shown) == ("Metals", "metals/copper", "metals/copper")
+    settings.search = "gold SATIN"
     gold, purple = "finished_metals/gold_satin", "finished_metals/purple_gold_aual2_satin"
     assert [preset.id for preset in properties.matching(settings)] == [gold, purple]
-    assert [item[0] for item in properties.shown_items(settings, None)] == ["lecture/copper", gold, purple]
-    settings.shown = gold
-    assert settings.preset == gold
+    assert [item[0] for item in properties.shown_items(settings, None)] == [gold, purple]
+    assert settings.shown == settings.preset == gold
+    settings.shown = purple
+    settings.search = "purple"
+    assert settings.preset == purple  # still a hit
+    settings.search = ""
+    assert settings.preset != purple  # the family Metals has it not
+    settings.preset = "gems/diamond"
+    assert settings.shown == "gems/diamond"  # a script's choice stands
+
+
+def test_another_family_shows_one_of_its_own(extension):
+    from vgroove.addon.ui import properties
+
+    settings = extension.context.scene.vgroove
+    settings.family = "Gems"
+    assert settings.preset.startswith("gems/")
+    settings.family = properties.ALL
+    assert settings.preset.startswith("gems/")
+
+
+def test_a_search_without_hits_applies_nothing(extension):
+    """It says so, shows no picture, and Apply is refused in words."""
+    from vgroove.addon.ui import panels, properties
+
+    settings = extension.context.scene.vgroove
     settings.search = "no such thing"
-    assert [item[0] for item in properties.shown_items(settings, None)] == [gold]
+    assert properties.matching(settings) == []
+    told = drawn(extension, panels.VGROOVE_PT_material)
+    assert "Nothing found" in " ".join(told.texts)
+    assert not extension.ops.vgroove.apply.poll()
+    settings.search = "copper"
+    assert "12 found" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
+    assert extension.ops.vgroove.apply.poll()
 
 
 def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
@@ -454,7 +483,7 @@ def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
     settings = extension.context.scene.vgroove
     assert settings.shown == settings.preset == "gems/diamond"
     settings.preset = "mine/lost"
-    assert settings.shown == properties.chosen_preset(settings).id == "lecture/copper"
+    assert settings.shown == properties.chosen_preset(settings).id == "metals/copper"
 
 
 def test_pictures_are_read_when_they_are_drawn(extension, tmp_path, monkeypatch):

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The families that artists choose from, by what a material is; folders of presets go by model and source.
+
+Imports no bpy.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .preset import Preset
+
+TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))["families"]
+TITLES = tuple(family["title"] for family in TABLE)
+SPECIAL = TITLES.index("Over Time")  # from here on not what a search is mostly about
+
+
+def of(preset: Preset) -> str:
+    """The title of a preset's family."""
+    return title(preset.id)
+
+
+def number(preset: Preset) -> int:
+    """The place of its family: a user's own come first, the laboratory last."""
+    return TITLES.index(of(preset)) if of(preset) in TITLES else -1
+
+
+def title(identity: str) -> str:
+    """The title of the family of a preset's id; of a user's own folder its name."""
+    return _family(identity)["title"]
+
+
+@cache
+def _family(identity: str) -> dict[str, str]:
+    folder = identity.partition("/")[0]
+    by_id = (family for family in TABLE if identity in family.get("presets", ()))
+    by_folder = (family for family in TABLE if folder in family["folders"])
+    return next(by_id, None) or next(by_folder, None) or {"title": folder.replace("_", " ").title()}

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The presets that are chosen by eye (tools/data/looks.csv): one TOML file a material.
+
+python tools/make_looks.py            says which presets differ from what the table gives; exit 1 if any does
+python tools/make_looks.py --write    writes them
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import numpy as np
+from make_presets import head_on, identity_of, main, text_of
+from optical_constants import table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+HEAD = "# Made by tools/make_looks.py"
+ROUGHER = 2.0  # a slope still suits a look that is half as large, or twice
+SOURCE = {"data": "chosen by eye", "trust": "nothing is measured: colour and roughness are looks"}
+
+
+def linear(hexadecimal: str) -> NDArray[np.float64]:
+    """Linear Rec.709 of an sRGB colour. Source: IEC 61966-2-1."""
+    coded = np.array([int(hexadecimal[at : at + 2], 16) for at in (0, 2, 4)]) / 255.0
+    return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+
+
+def looks() -> Iterator[tuple[str, str]]:
+    """Id and text of each."""
+    for row in table("looks"):
+        yield identity_of(row["family"], row["name"]), _text(row)
+
+
+def _text(row: dict[str, str]) -> str:
+    colour, form = np.round(linear(row["colour"]), 4), row["form"]
+    values: dict[str, object] = {"name": row["name"], "tags": list(dict.fromkeys(row["tags"].split()))}
+    tables: dict[str, dict[str, object]] = {"source": dict(SOURCE)}
+    if row["eta"]:
+        eta = float(row["eta"])
+        tables = {"fresnel": {"eta": eta}, "source": dict(SOURCE), "verified": head_on(eta)}
+        tables["source"]["trust"] = "nothing is measured: colour and roughness are looks, eta is a usual index"
+    if form == "rough":
+        values |= {"model": "oren_nayar", "albedo": colour, "sigma": float(row["sigma"])}
+    elif form == "coated":
+        values |= {"model": "sum", "coupled": True, "d": 1.0, "s": 1.0, "albedo": colour, "sigma": float(row["sigma"])}
+    elif form == "body":
+        values |= {"model": "translucent", "reflectance": colour, "mean_free_path": [float(row["mean_free_path"])] * 3}
+    elif form == "clear":
+        values |= {"model": "glass", "eta": eta, "m": 0.0, "m_range": [0.0, 0.5]}
+        tables = {"source": tables["source"], "verified": head_on(eta)}
+        return _made(values, tables)
+    else:
+        values["model"] = "cook_torrance"
+        tables = {"fresnel": {"f0": colour}, "source": dict(SOURCE), "verified": {"f0": colour}}
+    if row["m"]:
+        m = float(row["m"])
+        values |= {"m": m, "m_range": [m / ROUGHER, min(m * ROUGHER, 1.0)]}
+    return _made(values, tables)
+
+
+def _made(values: dict[str, object], tables: dict[str, dict[str, object]]) -> str:
+    return text_of(values, **tables).replace("# Made by tools/make_presets.py", HEAD)
+
+
+if __name__ == "__main__":
+    sys.exit(main(looks, "make_looks.py"))
