@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 NAME = "VGroove Oren-Nayar Fit"
 REVISION = 3
-TIP = "To the material's Surface. Off by up to {}, from 80 degrees of view {}"
+TIP = "To the material's Surface. Differs from the model by up to {}, from 80 degrees of view {}"
 OFF = {"full": ("6 %", "10 %"), "qualitative": ("10 %", "11 %")}
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from vgroove.addon.library.presets import FIRST_FAMILY, shipped
+from vgroove.addon.library import families
+from vgroove.addon.library.presets import shipped
 
 PREVIEWS = Path(__file__).parent.parent / "previews"
 TILE, COLUMNS, HEADING = 72, 16, 30
@@ -20,20 +21,20 @@ PAPER, INK = (250, 250, 250), (40, 40, 40)
 
 def sheet() -> Image.Image:
     """A heading and rows of pictures for each family; FileNotFoundError where a picture is missing."""
-    families: dict[str, list[str]] = {}
-    for preset in sorted(shipped().values(), key=lambda one: (one.family != FIRST_FAMILY, one.id)):
-        families.setdefault(preset.family, []).append(preset.id)
-    rows = {family: -(-len(members) // COLUMNS) for family, members in families.items()}
+    sections: dict[str, list[str]] = {}
+    for preset in sorted(shipped().values(), key=lambda one: (families.number(one), one.id)):
+        sections.setdefault(families.of(preset), []).append(preset.id)
+    rows = {title: -(-len(members) // COLUMNS) for title, members in sections.items()}
     height = sum(HEADING + TILE * count for count in rows.values())
     page = Image.new("RGB", (TILE * COLUMNS, height), PAPER)
     pen, font = ImageDraw.Draw(page), ImageFont.load_default(size=15)
     top = 0
-    for family, members in families.items():
-        pen.text((6, top + 7), f"{family.replace('_', ' ').capitalize()} ({len(members)})", fill=INK, font=font)
+    for title, members in sections.items():
+        pen.text((6, top + 7), f"{title} ({len(members)})", fill=INK, font=font)
         for index, identity in enumerate(members):
             picture = Image.open(PREVIEWS / f"{identity}.webp").resize((TILE, TILE), Image.Resampling.LANCZOS)
             page.paste(picture, (TILE * (index % COLUMNS), top + HEADING + TILE * (index // COLUMNS)))
-        top += HEADING + TILE * rows[family]
+        top += HEADING + TILE * rows[title]
     return page
 
 

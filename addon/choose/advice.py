@@ -302,9 +302,12 @@ def _ray_problems(known: SceneFacts) -> Iterator[Problem]:
 
 def _direct_problems(known: SceneFacts) -> Iterator[Problem]:
     if not known.followable:
-        yield Problem("lamps", "Direct shows bound lights alone, and this scene has none")
+        yield Problem("lamps", "Direct renders only the lights that it evaluates itself, and this scene has none")
     else:
-        yield Problem("alone", "Direct shows bound lights alone: no world, no reflections of other objects")
+        yield Problem(
+            "alone",
+            "Direct renders only the lights that it evaluates itself: no world, no reflections of other objects",
+        )
 
 
 def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]) -> Iterator[Problem]:
@@ -391,7 +394,7 @@ def _picture_problems(scene: Scene, estimator: str, model: str, bound: Sequence[
     name, cycles = name_of(estimator), scene.cycles
     if cycles.sample_clamp_direct > 0 and (estimator == "hybrid" or (estimator == "corrected" and bound)):
         fix = partial(set_values, cycles, sample_clamp_direct=0.0)
-        text = f"Clamp Direct is on and clamps the parts of {name} separately and changes the image"
+        text = f"Clamp Direct clamps each part of {name} separately, which changes the image"
         yield Problem("clamp-direct", text, "Set Clamp Direct to 0", fix, "more fireflies")
     diffuse = estimator in RANDOM and MODELS[model].is_diffuse and MODELS[model].mirrors
     if cycles.bake_type in {"DIFFUSE", "GLOSSY"} and (bound or diffuse):

@@ -62,7 +62,7 @@ def pick(scene: Scene | SceneFacts | None, preset: Preset) -> Pick:
     Smooth glass takes ``mirror``, which is exact there and draws nothing at random.
     """
     if preset.is_smooth:
-        return Pick(preset.spec.smooth_estimator, "a smooth interface is exact")
+        return Pick(preset.spec.smooth_estimator, "Mirror is exact on a smooth surface and draws no random facets")
     natives = [name for name in NATIVE if name in preset.spec.estimators]
     if len(natives) == 1:
         return Pick(natives[0], "Cycles' own closure; this model has no Fit")
@@ -119,8 +119,8 @@ def _smallest_error(known: SceneFacts, preset: Preset) -> tuple[str, str]:
     if closure <= fit:
         why = "its bias is small here" if denoised else f"its bias is below the noise of {samples} samples"
         return "closure", f"Cycles' nearest closure: {why}, and it is the fastest"
-    at = "and a denoiser removes the noise" if denoised else f"which shows at {samples} samples"
-    return "fit", f"Cycles' own closures, fitted to the formula: closer to it than one closure, {at}"
+    shows = "a denoiser removes the noise" if denoised else f"{samples} samples are enough to show it"
+    return "fit", f"Fit is closer to the formula than one closure, and {shows}"
 
 
 def _bias(known: SceneFacts, parts: Sequence[Preset], estimator: str) -> float:

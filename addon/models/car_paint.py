@@ -15,7 +15,7 @@ from .sum import S
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-TIP = "Share of this lobe; with the brightest channel of Base Color all add up to at most 1, or light is created"
+TIP = "Share of this lobe; all shares plus the brightest channel of Base Color must not exceed 1"
 SHARE = replace(S, tip=TIP, default=0.1)
 
 

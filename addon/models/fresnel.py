@@ -28,7 +28,7 @@ N = Parameter(
     "n", "n", "Refractive index for R, G and B", (0.27, 0.68, 1.32), 0.0, 20.0, socket="Vector",
 )  # fmt: skip
 K = Parameter(
-    "k", "k", "Extinction for R, G and B", (3.61, 2.62, 2.29), 0.0, 20.0, socket="Vector",
+    "k", "k", "Extinction coefficient for R, G and B", (3.61, 2.62, 2.29), 0.0, 20.0, socket="Vector",
 )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ QUALITIES = (
     (
         "standard",
         "Standard",
-        "Cycles' own closures, fitted to the formula. Fast; later scene changes do no harm",
+        "Cycles' own closures, fitted to the formula. Fast; stays correct when the scene changes",
         0,
     ),
     (

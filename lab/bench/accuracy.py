@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error against run time: each scene and subject by each estimator, backend and peer, from 4 to 4096 samples a pixel.
+"""Error against run time: each scene and subject by each estimator, backend and peer, from 4 to 4096 samples per pixel.
 
 ``statistics`` defines bias and noise; times are those of the render call. Each contender first renders one sample,
 which loads and compiles it. Seeds go round all contenders, so other work on the machine slows all of them alike.

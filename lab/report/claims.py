@@ -68,19 +68,19 @@ def _slope(run: Run) -> Claim | None:
         return None
     known = {title: one.value for title, one in slopes.items() if one.known_to(SLOPE_BAR)}
     off = [f"{title}: {number(value)}" for title, value in known.items() if abs(value - SLOPE) > SLOPE_BAR]
-    found = "known so well in no scene"
+    found = f"no slope is known to ±{SLOPE_BAR:g}"
     if known:
         low, middle, high = (number(of(known.values())) for of in (min, median, max))
         found = f"{middle}, the median of {len(known)} scenes ({low} to {high})"
         if len(known) < len(slopes):
-            found += f"; not known so well in {', '.join(title for title in slopes if title not in known)}"
+            found += f"; known less well in {', '.join(title for title in slopes if title not in known)}"
         if rare := sum(curve.rarely_hit for _, curve in mirrors):
             found += f"; not evaluated in {rare} scenes whose light is rarely hit"
         for title, slope in ((contest.title, slope) for contest, slope in sloped if contest.cell.smooth):
-            found += f"; not judged in {title}, where nothing is drawn by a hash ({number(slope.value)})"
+            found += f"; not judged in {title}: a smooth interface draws no random facets ({number(slope.value)})"
     if off:
         found += f"; but {', '.join(off)}"
-    claim = f"Mirror's noise falls as samples to the power of {number(SLOPE)} ± {SLOPE_BAR:g}"
+    claim = f"Mirror's noise falls as samples^({number(SLOPE)} ± {SLOPE_BAR:g})"
     return Claim(claim, found, 2 * len(known) > len(slopes) and not off)
 
 
@@ -102,7 +102,7 @@ def _unbiased(run: Run) -> Claim | None:
     ]
     small = sum(curve.bias_bound < TARGETS[-1] for _, curve in judged)
     found = (
-        f"in {len(judged) - len(biased)} of {len(judged)} scenes whose truth does not come from mirror; at the most "
+        f"in {len(judged) - len(biased)} of {len(judged)} scenes with an independent reference; at the most "
         f"samples it is below {percent(TARGETS[-1])} in {small} of them, below "
         f"{percent(max(curve.bias_bound for _, curve in judged))} in all"
     )
@@ -111,7 +111,7 @@ def _unbiased(run: Run) -> Claim | None:
     if rare := sum(curve.rarely_hit for _, curve in mirrors):
         found += f"; not evaluated in {rare} scenes whose light is rarely hit"
     if others := sum(not contest.cell.independent for contest, _ in mirrors):
-        found += f"; in {others} more the truth is mirror's own, which `vgroove check` compares with the reference"
+        found += f"; in {others} more the reference was itself rendered with mirror, which `vgroove check` verifies"
     return Claim("Mirror's bias cannot be distinguished from 0 at any sample count", found, not biased)
 
 
@@ -126,14 +126,14 @@ def _automatic(run: Run) -> Claim | None:
         found += f", and within the noise of the measurement at {by_chance} more"
     if worst.ratio > 1.0:
         found += (
-            f"; at worst its error is {times(worst.ratio)} that of {worst.winner} ({contest.title}, {worst.samples} "
-            f"samples, {worst.estimator}; this factor is known to {100.0 * worst.doubt:.0f} %)"
+            f"; at worst {worst.estimator}'s error is {times(worst.ratio)} {worst.winner}'s ({contest.title}, "
+            f"{worst.samples} samples, ±{100.0 * worst.doubt:.0f} %)"
         )
     if (of_all := sum(pick.of_all <= CLOSE for _, pick in picks)) < near:
         contest, worst = max(picks, key=lambda one: one[1].of_all)
         found += (
-            f"; compared with all estimators at {of_all}, at worst {times(worst.of_all)} the error of the best "
-            f"({contest.title}, {worst.samples} samples, {worst.best_of_all})"
+            f"; compared with all six estimators: within {100 * (CLOSE - 1):.0f} % at {of_all}, at worst "
+            f"{times(worst.of_all)} the smallest error ({contest.title}, {worst.samples} samples, {worst.best_of_all})"
         )
     return Claim(
         f"Automatic is within {100 * (CLOSE - 1):.0f} % of the best estimator that it may pick", found, not poor
@@ -159,12 +159,12 @@ def _pictures(run: Run) -> Claim | None:
     differing = [case.title for case in run.left_out if not case.all_same]
     put_back = sum(any(one.same is not None for one in case.omitted) for case in run.left_out)
     found = (
-        f"in {len(run.left_out) - len(differing)} of {len(run.left_out)} cases they are those of the universal "
-        f"material, and in {put_back} of these those with each omitted component put back"
+        f"{len(run.left_out) - len(differing)} of {len(run.left_out)} cases match the universal material; {put_back} "
+        "also match with each component put back"
     )
     if differing:
         found += f"; they differ in {', '.join(differing)}"
-    return Claim("What the builder leaves out changes no picture", found, not differing)
+    return Claim("Omitted components do not change the render", found, not differing)
 
 
 def _stability(run: Run) -> Claim | None:
@@ -185,7 +185,7 @@ def _everyday(run: Run) -> Claim | None:
     if not rows:
         return None
     where = {
-        "the picture is off": [one for one in rows if not one.right],
+        "the image differs": [one for one in rows if not one.right],
         "it is slower": [one for one in rows if not one.quick],
         "a warning is wrong": [one for one in rows if one.warnings],
     }
@@ -256,12 +256,12 @@ def _bends(run: Run) -> str:
         return f"{middle} in the median ({low} to {high})"
 
     said = (
-        f"The noise of {', '.join(EVEN)} falls as samples to the power of {fall(even)}, as Cycles spreads a pixel's "
-        f"samples evenly; {HASHED}'s as {fall(hashed)}, as a hash draws its facets independently"
+        f"The noise of {', '.join(EVEN)} falls as samples^{fall(even)}, because Cycles stratifies its samples; "
+        f"{HASHED}'s as samples^{fall(hashed)}, because mirror hashes independent random numbers"
     )
     if both:
-        said += f"; that of {BOTH}, which is part of each, as {fall(both)}"
-    return f"{said}. Errors stop falling where bias is left, and jump where a light is met for the first time."
+        said += f"; that of {BOTH}, which is part of each, as samples^{fall(both)}"
+    return f"{said}. Errors stop falling where bias is left, and jump where a seed first hits a light."
 
 
 def _backends(run: Run) -> str:
@@ -271,7 +271,7 @@ def _backends(run: Run) -> str:
         return ""
     ratios = [ratio for of in timed.values() for ratio in of.values()]
     return (
-        f"A sample takes {times(median(ratios))} as long as OSL as it does as nodes, in the median of {len(ratios)} "
+        f"OSL takes {times(median(ratios))} the time of nodes per sample, in the median of {len(ratios)} "
         f"estimators in {'; '.join(timed)}, the only scenes timed as both."
     )
 

@@ -190,7 +190,7 @@ def _keys_worst(found: Published) -> str:
 
 def _keys_exponential(found: Published) -> str:
     tolerance, pieces, fewest = _table(found, "keys", "exponential").rows[0]
-    return f"exp(-t) to {tolerance:g}: {pieces} straight pieces; fewer than {fewest:.1f} cannot do."
+    return f"exp(-t) to {tolerance:g}: {pieces} straight pieces; at least {fewest:.1f} are needed."
 
 
 def _costs(found: Published) -> dict[str, dict[str, Any]]:
@@ -203,14 +203,16 @@ def _batch(found: Published) -> str:
     costs = _costs(found)
     alone, together = "seconds by a process a still", "seconds in a batch"
     rows: dict[str, Callable[[dict[str, Any]], str]] = {
-        "64 x 64 at 16 samples, a `vgroove render` process a still": lambda of: f"{of[alone]:.2f} s",
+        "64 x 64 at 16 samples, one `vgroove render` process per still": lambda of: f"{of[alone]:.2f} s",
         "the same in a batch": lambda of: f"{of[together]:.3f} s",
-        "throughput of a batch over that": lambda of: times(of[alone] / of[together]),
-        "outside Cycles' own render call, over it, at 64 x 64 and 16 samples": lambda of: percent(
+        "speed-up by batch": lambda of: times(of[alone] / of[together]),
+        "overhead relative to Cycles' render call, at 64 x 64 and 16 samples": lambda of: percent(
             of["outside Cycles at 64 x 64 and 16 samples"]
         ),
         "at 256 x 256 and 64 samples": lambda of: percent(of["outside Cycles at 256 x 256 and 64 samples"]),
-        "growth of a process that is never replaced, a task": lambda of: f"{of['bytes a task'] / 1000.0:.1f} kB",
+        "memory growth per task of a process that is never replaced": lambda of: (
+            f"{of['bytes a task'] / 1000.0:.1f} kB"
+        ),
     }
     return _markdown(["", *costs], [[what, *map(form, costs.values())] for what, form in rows.items()])
 

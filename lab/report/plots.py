@@ -92,7 +92,7 @@ def _save(figure: Figure, stem: Path) -> None:
 
 def error(run: Run) -> Figure:
     """Error against processor time; where a bias can be distinguished from 0, its floor at the right."""
-    figure, panels = _panels(run, "processor seconds of a render", "error, share of the picture's")
+    figure, panels = _panels(run, "processor seconds of a render", "relative error (RMSE over the reference's RMS)")
     for contest, ax in panels:
         for curve, look in _looks(contest):
             ax.plot(curve.cpu, curve.rmse, **look)
@@ -107,7 +107,7 @@ def error(run: Run) -> Figure:
 
 def noise(run: Run) -> Figure:
     """Noise, and bias where it can be distinguished from 0."""
-    figure, panels = _panels(run, "samples a pixel", "noise (lines) and bias (squares)")
+    figure, panels = _panels(run, "samples per pixel", "noise (lines) and bias (squares)")
     for contest, ax in panels:
         for curve, look in _looks(contest):
             ax.plot(curve.samples, curve.noise, **(look | {"marker": ""}))

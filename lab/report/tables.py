@@ -28,8 +28,8 @@ CURVES = (
     "sample count; < an upper bound, where it cannot be distinguished from 0. Times: of the processor, and in brackets "
     "wall time. FLIP: at the largest sample count, of the judged pixels. Not resolved: rare events make most of the "
     "noise and no seed hit them; such sample counts are left out. Direct leaves out everything but lights, which "
-    "counts as its bias. Automatic picks one of Cycles' own closures by rounded numbers of reports like this one; no "
-    "other scenes have tested it. What that rule costs is said beside each scene: its error over that of the best of "
+    "counts as its bias. Automatic picks one of Cycles' own closures by a rule fitted to reports like this one, not "
+    "tested on other scenes. What that rule costs is said beside each scene: its error over that of the best of "
     "all estimators at equal render time. Not measured: glass in a furnace, which reflects or transmits all light; "
     "subsurface scattering under a light, for which direct has no formula; pairs that add nothing."
 )
@@ -184,7 +184,7 @@ def _stability(run: Run) -> Iterator[Section]:
         "Extreme cases",
         "Lowest and highest: of all pixels; under a white sky what is reflected of it, else f in 1/sr. Z: of an error "
         "of scale that all pixels share, in its standard errors; resolves: the smallest such error that would be "
-        "found. Error: of what needs no chance, beside its bar. Noise: over that of independent samples; numbers: how "
+        "found. Error: of noise-free cases, with its limit. Noise: over that of independent samples; numbers: how "
         "many different ones the hash of position draws in a pixel, and in brackets how many the panel predicts.",
         (
             "group", "what", "value", "setup", "lowest", "highest", "Z", "resolves", "error", "bar", "noise", "numbers",
@@ -225,7 +225,7 @@ def _left_out(run: Run) -> Iterator[Section]:
         "The universal material (one for each estimator and backend), which shows presets by its inputs alone (but for "
         "absorption), against each material as it is built. Time and first render (which compiles): universal over as "
         "built. Nodes, OSL instructions and MB beside Blender: as built / universal. Picture: by the same seed; for "
-        "rough glass by mirror, which draws other facets behind its first, by its mean.",
+        "rough glass by mirror by its mean, as after the first hit its random numbers differ.",
         (
             "case", "preset", "scene", "estimator", "backend", "time", "spread", "first", "nodes", "instructions", "MB",
             "picture",

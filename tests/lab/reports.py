@@ -125,10 +125,7 @@ def curve(bias, noise, per_sample, counts=COUNTS, **changes):
     return contested(cell).curves["x"]
 
 
-SAME_IN = (
-    "in {} of {} cases they are those of the universal material, and in {} of these those with each omitted component "
-    "put back"
-)
+SAME_IN = "{} of {} cases match the universal material; {} also match with each component put back"
 
 
 def claimed(cells):

@@ -153,5 +153,5 @@ def test_a_cell_is_what_the_report_shows(blender, monkeypatch):
     assert all(row[-1] == "passed" for row in section.rows)
     claim, section = shown((*kept[1:], replace(kept[0], black=3, warnings=("Something",))))
     assert not claim.holds
-    assert "the picture is off in even sky, copper; a warning is wrong in even sky, copper" in claim.found
+    assert "the image differs in even sky, copper; a warning is wrong in even sky, copper" in claim.found
     assert (section.title, section.rows[0][-1]) == ("Everyday scenes", "FAILED")

@@ -19,7 +19,8 @@ from vgroove.addon.reference import Glass, fresnel_conductor, schlick
 
 TOOLS = Path(__file__).parents[2] / "tools"
 sys.path.append(str(TOOLS))
-import make_presets  # noqa: E402 - tools are no package
+import make_looks  # noqa: E402 - tools are no package
+import make_presets  # noqa: E402
 import make_time_presets  # noqa: E402
 import optical_constants  # noqa: E402
 import thin_film  # noqa: E402
@@ -50,6 +51,17 @@ def test_committed_presets_that_change_are_what_their_tool_makes(monkeypatch, ca
     monkeypatch.setattr(make_time_presets, "WATER", 1.4)
     assert make_presets.main(make_time_presets.every_preset, "make_time_presets.py") == 1
     assert "presets/time_varying/drying_wood.toml differs" in capsys.readouterr().out
+
+
+def test_committed_looks_are_what_their_tool_makes_and_say_what_they_are(monkeypatch, capsys):
+    """By eye; a colour on a screen is linear in the file: 188 of 255 is about half the light."""
+    monkeypatch.setattr(sys, "argv", ["make_looks.py"])
+    assert make_presets.main(make_looks.looks, "make_looks.py") == 0
+    assert all(find(identity).source["data"] == "chosen by eye" for identity, _ in make_looks.looks())
+    assert make_looks.linear("bcbcbc") == pytest.approx(0.5029, abs=1e-4)
+    monkeypatch.setattr(make_looks, "ROUGHER", 1.5)
+    assert make_presets.main(make_looks.looks, "make_looks.py") == 1
+    assert "presets/wood/oak_varnished.toml differs" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.14])
