@@ -7,15 +7,18 @@ RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
 PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
-.PHONY: demo test test-4.5 test-5.3 test-all lint check report across documents previews assets package clean
+.PHONY: demo test test-once test-4.5 test-5.3 test-all lint check report across documents previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
 
-test test-4.5 test-5.3 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
+test test-once test-4.5 test-5.3 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
 
-test: | $(UV)  ## every test, on Blender 5.2 LTS; of grids of renders each value
-	$(RUN) $(PYTEST)
+test: | $(UV)  ## the tests, on Blender 5.2 LTS; of grids of renders each value
+	$(RUN) $(PYTEST) -m "not once"
+
+test-once: | $(UV)  ## what takes long and hardly depends on Blender, and deliberate errors
+	$(RUN) $(PYTEST) -m once
 
 test-4.5: | $(UV)  ## on Blender 4.5 LTS, what depends on the Blender
 	$(RUN_45) $(PYTEST)

@@ -16,7 +16,7 @@ from ..addon.library.errors import InputError
 from ..addon.library.inputs import MOST_SAMPLES
 from ..batch.job import PREVIEW_SAMPLES
 from .environment import start_blender
-from .options import Backend, BackendOption, Estimator, PresetArgument, SetOption, apply_settings, whole
+from .options import AUTO, Backend, BackendOption, Estimator, PresetArgument, SetOption, apply_settings, whole
 from .terminal import out
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def explain(
     settings: SetOption = None,
     in_scene: SceneOption = None,
     backend: BackendOption = Backend.NODES,
-    estimator: EstimatorOption = Estimator.AUTO,
+    estimator: EstimatorOption = AUTO,
     samples: SamplesOption = None,
     as_json: JsonOption = False,
 ) -> None:

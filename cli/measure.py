@@ -17,6 +17,7 @@ from ..addon.library.files import check_writable, replacing
 from ..addon.reference.hybrid import DEFAULT_BOUND
 from .environment import start_blender, versions
 from .options import (
+    AUTO,
     Backend,
     BackendOption,
     BoundOption,
@@ -79,7 +80,7 @@ def measure(
     samples: SamplesOption = 1,
     seed: SeedOption = 0,
     backend: BackendOption = Backend.NODES,
-    estimator: EstimatorOption = Estimator.AUTO,
+    estimator: EstimatorOption = AUTO,
     bound: BoundOption = DEFAULT_BOUND,
 ) -> None:
     """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer."""
@@ -127,13 +128,13 @@ def _suitable(estimator: Estimator, preset: Preset, *, extended: bool, furnace: 
 
     extended: whether the light has a size, which mirror needs.
     """
-    if estimator == Estimator.MIRROR and not extended:
+    if estimator == "mirror" and not extended:
         message = "mirror misses a sun of zero size; give --sun-angle DEG or --furnace"
         raise InputError(message)
-    if estimator == Estimator.DIRECT and furnace:
+    if estimator == "direct" and furnace:
         message = "direct sees only lights, not the world of --furnace; give --theta-i DEG, or choose mirror"
         raise InputError(message)
-    if estimator != Estimator.AUTO:
+    if estimator != AUTO:
         return estimator
-    exact = Estimator.CLOSURE if preset.transparent else Estimator.DIRECT
-    return Estimator.MIRROR if extended else exact
+    exact = Estimator("closure" if preset.transparent else "direct")
+    return Estimator("mirror") if extended else exact

@@ -12,6 +12,7 @@ import typer
 from ..addon.library import inputs
 from ..addon.library.errors import InputError
 from ..addon.library.inputs import MOST_SAMPLES, MOST_SEED
+from ..addon.models import estimators
 from ..addon.reference.hybrid import BOUNDS
 
 if TYPE_CHECKING:
@@ -27,14 +28,11 @@ class Backend(StrEnum):
     OSL = "osl"
 
 
-class Estimator(StrEnum):
-    AUTO = "auto"
-    FIT = "fit"
-    CLOSURE = "closure"
-    CORRECTED = "corrected"
-    HYBRID = "hybrid"
-    MIRROR = "mirror"
-    DIRECT = "direct"
+if TYPE_CHECKING:
+    Estimator = StrEnum
+else:
+    Estimator = StrEnum("Estimator", {name.upper(): name for name in ("auto", *estimators.ALL)})
+AUTO = Estimator("auto")
 
 
 def whole(low: int, high: int) -> Callable[[Any], int]:

@@ -20,6 +20,7 @@ from ..addon.reference.keyframes import TOLERANCE
 from ..batch.job import PREVIEW_SAMPLES, PREVIEW_SIZE, digest_of
 from .environment import start_blender, versions
 from .options import (
+    AUTO,
     Backend,
     BackendOption,
     BoundOption,
@@ -118,7 +119,7 @@ def render(
     assign: AssignOption = None,
     settings: SetOption = None,
     backend: BackendOption = Backend.NODES,
-    estimator: EstimatorOption = Estimator.AUTO,
+    estimator: EstimatorOption = AUTO,
     bound: BoundOption = DEFAULT_BOUND,
     at_time: TimeOption = None,
     frames: FramesOption = None,
@@ -281,10 +282,11 @@ def _render_frames(
         stage.render.use_persistent_data = True  # Cycles is given only what changes from frame to frame
     kept, note, overflowed = [], sequence.note(identity), False
     for frame in progress(span, "rendering", len(span)):
-        path = _numbered(output, frame)
-        overflowed |= headless.stack_overflows(
-            lambda frame=frame, path=path: kept.append(sequence.frame_to(stage, frame, path, note, **settings))
-        )
+
+        def render_frame(frame: int = frame) -> None:
+            kept.append(sequence.frame_to(stage, frame, _numbered(output, frame), note, **settings))
+
+        overflowed |= headless.stack_overflows(render_frame)
     if overflowed:
         say(f"warning: {headless.OVERFLOWED}")
     before = f", {sum(kept)} of them there already" if any(kept) else ""

@@ -5,7 +5,6 @@ from . import ensure, f82, fresnel_conductor, fresnel_dielectric, schlick
 from ._tree import Tree, Value
 
 KINDS = {"schlick": schlick, "dielectric": fresnel_dielectric, "conductor": fresnel_conductor, "f82": f82}
-LABELS = {"schlick": "Schlick", "dielectric": "Dielectric", "conductor": "Conductor", "f82": "F82"}
 
 
 def interface(tree: Tree, kind: str) -> dict[str, Value]:

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 def horner(coefficients: Row, x: Value) -> Value:
     """Sum of c_k x^k; three at once where the coefficients are triples."""
-    *rest, result = coefficients
+    *rest, before, last = coefficients
+    result = x.tree.math("MULTIPLY_ADD", x, last, before)
     for number in reversed(rest):
         result = x.tree.math("MULTIPLY_ADD", x, result, number)
     return result

@@ -6,7 +6,7 @@ each value is in one of them at least: what breaks mostly does so for one value.
 of two parameters too, and `make test-all` runs every row. Grids without Blender hold each pair on 5.2; on 4.5, whose
 Python and NumPy are older too, each value, and on 5.3, which has those of 5.2, they are left out. What takes long and
 hardly depends on Blender, and deliberate errors, which show that a check can fail, are marked ``once`` and run on 5.2
-alone; what is more of the same is marked ``more``: `make test-all` has both.
+alone, by `make test-once`; what is more of the same is marked ``more``: `make test-all` has both.
 """
 
 import contextlib

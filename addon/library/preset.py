@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from ..models import MODELS, base_name, fresnel
+from ..models import MODELS, base_name, fresnel, parameter
 from . import timeline
 from .checks import PresetError, as_number, check_key
 
@@ -50,9 +50,8 @@ class Preset:
     @property
     def m(self) -> float:
         """RMS facet slope, of several lobes the largest; 0 for a smooth interface, and for a model that has none."""
-        return max(
-            (v for key, v in self.parameters.items() if base_name(key) == "m" and isinstance(v, float)), default=0.0
-        )
+        slopes = [v for key, v in self.parameters.items() if parameter(key).is_roughness and isinstance(v, float)]
+        return max(slopes, default=0.0)
 
     @property
     def is_smooth(self) -> bool:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from ...addon import models
 from ...nodegroups import cook_torrance_closure as closure
 from ...nodegroups import fresnel, osl_script
 from ...nodegroups._tree import Value, select
@@ -57,8 +58,7 @@ def _is(value: Value, index: int) -> Value:
 
 
 def _of_kind(kind: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
-    names = {"schlick": ("f0",), "dielectric": ("eta",), "conductor": ("n", "k"), "f82": ("f0", "f82_tint")}[kind]
-    return {name: parameters[name] for name in names}
+    return {one.name: parameters[one.name] for one in models.fresnel.KINDS[kind].parameters}
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...addon.models import MODELS
 from ..bench.scene_table import SCENES
 
 if TYPE_CHECKING:
@@ -52,7 +53,8 @@ def updated(tables: Mapping[str, Any], published: Published) -> dict[str, Any]:
     new["report"] = published.default.code.get("accuracy", "")
     new["measured"] = {}
     for light, of in scenes:
-        if {"fit, nodes", "closure, nodes"} <= of.curves.keys():
+        parts = {part for _, part in MODELS[of.model].parts} | {MODELS[of.model].lobe_model} - {""} or {of.model}
+        if {"fit, nodes", "closure, nodes"} <= of.curves.keys() and parts <= new["models"].keys():
             lights = new["measured"].setdefault(of.model, [])
             lights += [light] * (light not in lights)
     return new

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...addon.models.estimators import RANDOM
 from ..bench.cells import LIMIT, Accuracy, Contender, Numbers
 from ..bench.scene_table import SCENES
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 SLOPE_RANGE = (2**6, 2**12)  # samples
-RANDOM = ("mirror", "hybrid")  # estimators that must hit a light by chance; without bias, or nearly so
 TINY = np.finfo(np.float64).tiny
 
 

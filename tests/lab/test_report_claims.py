@@ -197,7 +197,7 @@ def test_a_universal_material_that_is_faster_or_differs_breaks_a_claim():
     whole, part = left_out(2.0, same=False), left_out(2.0)
     part[0]["omitted"][1]["same"] = False
     for cell in (whole, part):
-        assert claimed({"left_out/a": cell})["What the builder"] == (
+        assert claimed({"left_out/a": cell})["Omitted components do"] == (
             SAME_IN.format(0, 1, 1) + "; they differ in a, lamps, corrected, nodes",
             False,
         )

@@ -14,11 +14,10 @@ from vgroove.addon.library import presets, writing
 from vgroove.addon.models import MODELS, PARAMETERS, estimators, fresnel, parameter
 from vgroove.addon.reference import albedo, rendered, spherical
 from vgroove.lab.check import plan
+from vgroove.lab.sidak import chance
 from vgroove.nodegroups import osl_script
 
 from ..chi_square import chi_square, draw, viewer
-
-ALPHA = 0.01  # chance of a false alarm, of all cases of a test together
 
 
 def examples():
@@ -114,7 +113,7 @@ def test_samples_are_drawn_as_pdf_says_and_weigh_f_cos_over_it(preset):
     """By chi-square over the hemisphere, and sample by sample."""
     model, wo = preset.reference(), viewer(50.0)
     wi, weight = draw(model, wo, 100_000, 24, OPAQUE.index(preset))
-    assert chi_square(model, wo, wi) > 1.0 - (1.0 - ALPHA) ** (1.0 / len(OPAQUE))
+    assert chi_square(model, wo, wi) > chance(len(OPAQUE))
     wi, weight = wi[:2000], weight[:2000]
     above = wi[:, 2] > 1e-3
     f_cos = model.evaluate(wi, wo) * wi[:, 2:]
