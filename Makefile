@@ -36,8 +36,8 @@ lint: | $(UV)  ## format, lint, types
 	$(RUN) ruff check .
 	mkdir -p .cache/types && ln -sfn ../.. .cache/types/vgroove && MYPYPATH=.cache/types $(RUN) mypy -p vgroove
 
-check: | $(UV)  ## every model x estimator x backend, Cycles against NumPy
-	$(RUN) vgroove check
+check: | $(UV)  ## every model x estimator x backend, Cycles against NumPy, on each Blender
+	@failed=0; for run in "$(RUN)" "$(RUN_53)" "$(RUN_45)"; do env $$run vgroove check || failed=$$?; done; exit $$failed
 
 report: | $(UV)  ## error against run time, stability, what was left out: numbers, plots, a page; all Blenders in one
 	@failed=0; for run in "$(RUN)" "$(RUN_53)"; do \

@@ -213,9 +213,7 @@ def still(
         render.resolution_x, render.resolution_y, render.resolution_percentage = *resolution, 100
     render.use_multiview = render.use_stamp = False  # one picture, of the scene alone
     settings = render.image_settings
-    if versions.since(5, 0):  # 4.5 knows one list of formats
-        settings.media_type = "IMAGE"
-    settings.file_format = FORMATS[path.suffix.lower()]
+    versions.write_as(settings, "IMAGE", FORMATS[path.suffix.lower()])
     settings.color_mode = "RGB"
     settings.color_depth = "32" if settings.file_format == "OPEN_EXR" else "8"
     render.use_stamp_note, render.stamp_note_text = bool(note), note

@@ -168,7 +168,5 @@ def _cut(shown: Scene, frames: Sequence[Path], fps: int) -> None:
     render.resolution_x, render.resolution_y = width - width % 2, height - height % 2  # codecs halve colour
     render.use_file_extension = False
     shown.view_settings.view_transform = "Standard"
-    if versions.since(5, 0):  # 4.5 knows one list of formats
-        settings.media_type = "VIDEO"
-    settings.file_format = "FFMPEG"
+    versions.write_as(settings, "VIDEO", "FFMPEG")
     render.ffmpeg.constant_rate_factor = "HIGH"

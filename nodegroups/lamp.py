@@ -23,9 +23,7 @@ from functools import partial
 from math import pi
 from typing import TYPE_CHECKING, Any
 
-import bpy
-
-from . import ensure, osl_script
+from . import ensure, osl_script, versions
 from ._tree import (
     Tree,
     Value,
@@ -111,8 +109,8 @@ def name(kind: str, *, shadows: bool, sized: bool = False) -> str:
 
 
 def can_cast_shadows() -> bool:
-    """Whether this Blender's shader nodes can trace a ray (the Raycast node, 5.1 and later)."""
-    return hasattr(bpy.types, "ShaderNodeRaycast")
+    """Whether this Blender's shader nodes can trace a ray."""
+    return versions.RAYCAST
 
 
 def interface(tree: Tree, kind: str, *, sized: bool = False) -> dict[str, Value]:

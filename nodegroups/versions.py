@@ -6,7 +6,7 @@ What asks for 5.0 goes with 4.5 LTS.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
@@ -51,6 +51,10 @@ OSL_TURNS_IOR = since(5, 3)
 LEANING = 0.0 if since(5, 0) else 2.1e-3
 # Oren-Nayar of several bounces by another power of the colour.
 cycles.set_version(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
+# Shaders store less on Cycles' stack.
+LEAN_STACK = since(5, 0)
+# Shader nodes can trace a ray (5.1): the Raycast node.
+RAYCAST = hasattr(bpy.types, "ShaderNodeRaycast")
 
 
 def osl_header() -> str:
@@ -78,6 +82,27 @@ def empty_material(name: str) -> Material:
 def used_nodes(owner: Material | World | Light) -> NodeTree | None:
     """The node tree that a material, world or light renders with; None where it has none, or does not use it."""
     return owner.node_tree if owner.node_tree is not None and (since(5, 0) or owner.use_nodes) else None
+
+
+def modifier_inputs(modifier: Any) -> list[object]:
+    """The inputs of a Geometry Nodes modifier. 4.5 stores them in custom properties."""
+    if not since(5, 0):
+        return list(modifier.values())
+    inputs = modifier.properties.inputs
+    sockets = (getattr(inputs, one.identifier) for one in inputs.bl_rna.properties)
+    return [getattr(one, "value", None) for one in sockets]
+
+
+def working_space() -> str:
+    """What EXR files call the open file's working space; "" in 4.5, which has none to choose."""
+    return str(bpy.data.colorspace.working_space_interop_id) if since(5, 0) else ""
+
+
+def write_as(settings: Any, media: str, file_format: str) -> None:
+    """Set a scene's output format; media: IMAGE or VIDEO. 4.5 knows one list of formats."""
+    if since(5, 0):
+        settings.media_type = media
+    settings.file_format = file_format
 
 
 def has_compositor(scene: Scene) -> bool:

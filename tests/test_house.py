@@ -2,6 +2,7 @@
 """The house keeps its rules: imports point one way, a model is known by its own files alone, nothing grows too long."""
 
 import importlib.util
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ _spec = importlib.util.spec_from_file_location("house", ROOT / "tools" / "house.
 house = sys.modules["house"] = importlib.util.module_from_spec(_spec)  # dataclasses look their module up
 _spec.loader.exec_module(house)
 FOUND, FILES, _ = house.count()
+ASKS = re.compile(r"\bsince\(\d|app\.version\b(?!_string)|hasattr\(bpy")
 # Loaded by nothing that an artist sees yet; scripts in Blender import them.
 FOR_SCRIPTS = {"addon/blender/gonio.py", "addon/blender/images.py", "addon/choose/explain.py"}
 
@@ -49,6 +51,13 @@ def test_a_decision_on_a_model_is_seen(tmp_path, monkeypatch):
     monkeypatch.setattr(house, "ROOT", tmp_path)
     found, _, _ = house.count()
     assert found.places[house.DECISIONS] == ["addon/choose/wrong.py:2 glass, sum"]
+
+
+def test_what_differs_between_blenders_stands_in_one_file():
+    """Of what is rendered with; tests and the report may ask for a version."""
+    rooms = ("addon", "nodegroups", "headless", "batch", "cli")
+    asking = [path for room in rooms for path in (ROOT / room).rglob("*.py") if ASKS.search(path.read_text("utf-8"))]
+    assert asking == [ROOT / "nodegroups" / "versions.py"]
 
 
 def test_the_extension_holds_what_it_loads_and_nothing_else():

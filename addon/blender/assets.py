@@ -7,6 +7,8 @@ from pathlib import Path
 
 import bpy
 
+from ...nodegroups import versions
+
 FOLDER = Path(__file__).parents[2] / "assets"
 FILE = "vgroove.blend"
 NAME = "V-Groove"
@@ -14,7 +16,7 @@ NAME = "V-Groove"
 
 def version() -> str:
     """The name of this Blender's folder, "5.2"."""
-    return f"{bpy.app.version[0]}.{bpy.app.version[1]}"
+    return ".".join(map(str, versions.version()))
 
 
 def folder() -> Path | None:
@@ -23,7 +25,7 @@ def folder() -> Path | None:
     def number(path: Path) -> tuple[int, ...]:
         return tuple(int(part) for part in path.parent.name.split("."))
 
-    suited = [path for path in FOLDER.glob(f"[0-9]*.[0-9]*/{FILE}") if number(path) <= bpy.app.version[:2]]
+    suited = [path for path in FOLDER.glob(f"[0-9]*.[0-9]*/{FILE}") if number(path) <= versions.version()]
     return max(suited, key=number).parent if suited else None
 
 

@@ -31,7 +31,7 @@ def most_lights(estimator: str, model: str) -> int:
     on it, without: test_stack.py.
     """
     spec = MODELS[model]
-    fewer = spec.most_lights if versions.since(5, 0) else spec.most_lights_4_5
+    fewer = spec.most_lights if versions.LEAN_STACK else spec.most_lights_4_5
     return fewer.get(estimator, lamp_binding.LIMIT)
 
 

@@ -24,7 +24,6 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
-import bpy
 import numpy as np
 from mathutils import Color
 
@@ -64,7 +63,7 @@ def name() -> str:
     """What EXR files call the open file's working space; empty where it has no such name."""
     if is_same(matrix(), REC709):
         return OF_REC709
-    return str(bpy.data.colorspace.working_space_interop_id) if versions.since(5, 0) else ""
+    return versions.working_space()
 
 
 def is_same(a: Floats, b: Floats) -> bool:

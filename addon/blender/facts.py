@@ -12,7 +12,7 @@ from collections import defaultdict
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import atan2, radians
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import bpy
 from mathutils import Vector
@@ -269,7 +269,7 @@ def _instances(item: Object, scene: Scene) -> Iterator[Object]:
     if trees and all(one.show_viewport for one in trees) and (evaluated := _evaluated(item, scene)) is not None:
         yield from _referred_to(evaluated)
     else:  # Blender evaluates what the viewport shows: of the rest, what the nodes name
-        yield from (found for one in trees for found in _named(one.node_group, _modifier_inputs(one)))
+        yield from (found for one in trees for found in _named(one.node_group, versions.modifier_inputs(one)))
 
 
 def _inside(collection: Collection) -> Iterator[Object]:
@@ -296,15 +296,6 @@ def _referred_to(evaluated: Object) -> Iterator[Object]:
                 yield from _inside(one.original)
             elif isinstance(one, bpy.types.GeometrySet):
                 waiting.append(one)
-
-
-def _modifier_inputs(modifier: Any) -> list[object]:
-    """The inputs of a Geometry Nodes modifier. 4.5 stores them in custom properties."""
-    if not versions.since(5, 0):
-        return list(modifier.values())
-    inputs = modifier.properties.inputs
-    sockets = (getattr(inputs, one.identifier) for one in inputs.bl_rna.properties)
-    return [getattr(one, "value", None) for one in sockets]
 
 
 def _named(tree: NodeTree, found: list[object]) -> Iterator[Object]:

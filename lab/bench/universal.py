@@ -64,7 +64,7 @@ class Form:
 
 def fits() -> bool:
     """Whether it can be had of plain nodes: SVM of Blender 4.5 has no room on its stack but for ``closure``'s."""
-    return versions.since(5, 0)
+    return versions.LEAN_STACK
 
 
 def form_of(choice: Choice) -> Form:

@@ -91,6 +91,7 @@ SITUATIONS = {
     "a shadow catcher": lambda shown: setattr(add_card(shown, "BsdfDiffuse"), "is_shadow_catcher", True),
     "baking Combined": lambda shown: setattr(shown.cycles, "bake_type", "COMBINED"),
     "baking Glossy": lambda shown: setattr(shown.cycles, "bake_type", "GLOSSY"),
+    "baking Diffuse": lambda shown: setattr(shown.cycles, "bake_type", "DIFFUSE"),
     "persistent data": lambda shown: setattr(shown.render, "use_persistent_data", True),
     "a Shading Offset of the shadow terminator": lambda shown: setattr(
         add_card(shown, "BsdfDiffuse"), "shadow_terminator_shading_offset", 0.4
