@@ -113,8 +113,8 @@ GIVEN = {
         "within 0.01": "advice.native_fresnel_error",
         "held to 10 %": "a bar",
         "m = 0.4 was 6 %": "a goal that was missed",
-        "6.5 to 7.7 %": "what tests/reference/test_fit.py holds it to",
-        "1.15 times the best": "a bar that is gone",
+        "below 1 % of the picture": "what tests/reference/test_fit.py holds it to",
+        "over 1 % of the picture": "the same",
         "at most 4 %": "a bar",
         "8.5 % for m <= 1": "a bar",
         "within 1 % and": "a bar",
@@ -184,10 +184,10 @@ def test_the_report_in_docs_is_whole_and_of_the_same_code_on_every_blender(repor
     """Else figures of different programs would stand beside each other."""
     published.require_one_program(reported)
     assert not any(run.lacks for run in reported.runs.values())
-    blender, run = list(reported.runs.items())[-1]
+    run = reported.default
     for other in (replace(run, code={}), replace(run, keys=run.keys | {"picks": []})):
-        with pytest.raises(ReportError, match=f"Blender {blender} and .* have different"):
-            published.require_one_program(replace(reported, runs=reported.runs | {blender: other}))
+        with pytest.raises(ReportError, match=r"Blender 9.9.9 and .* have different"):
+            published.require_one_program(replace(reported, runs=reported.runs | {"9.9.9": other}))
 
 
 @pytest.mark.parametrize("name", ["errata", "oren_nayar", "fit"])
