@@ -59,7 +59,7 @@ def test_what_was_not_put_back_is_shown_but_not_measured():
         ["c, lamps, corrected, nodes", "time", "not now", "", "", ""],
         ["c, lamps, corrected, nodes", "body", "it is hollow", "", "", ""],
     ]
-    assert claimed(cells)["What the builder"] == (SAME_IN.format(3, 3, 1), True)
+    assert claimed(cells)["Omitted components do"] == (SAME_IN.format(3, 3, 1), True)
 
 
 def test_extreme_cases_are_shown_by_what_is_not_as_usual():

@@ -156,7 +156,7 @@ def test_absorption_halves_the_luminance_and_has_the_colour_there():
 
 
 def test_the_library_has_what_it_promises():
-    """At least 250, of which 70 by n and k, and 120 by an index."""
+    """At least 650, of which 70 by n and k, and 120 by an index."""
     kinds = Counter(
         preset.kind if preset.model == "cook_torrance" else preset.model for preset in all_presets().values()
     )
@@ -164,8 +164,8 @@ def test_the_library_has_what_it_promises():
     assert kinds["glass"] >= 120
     assert kinds["f82"] >= 50
     assert kinds["car_paint"] == 8
-    assert kinds["translucent"] == 12
-    assert kinds.total() >= 250
+    assert kinds["translucent"] >= 12
+    assert kinds.total() >= 650
 
 
 @pytest.mark.parametrize("row", make_presets.table("car_paint"), ids=lambda row: row["id"])
