@@ -48,7 +48,7 @@ EXACT_CONDUCTOR = since(5, 2)
 # OSL's dielectric_bsdf and refraction turn the IOR over on back faces; before, whoever calls them has to.
 OSL_TURNS_IOR = since(5, 3)
 # Lobes whose normal leans from the surface's sent back up to this share more than their formula, times m.
-LEANING = 0.0 if since(5, 0) else 2.1e-3
+LEANING = 0.0 if since(5, 0) else 2.6e-3
 # Oren-Nayar of several bounces by another power of the colour.
 cycles.set_version(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
 # Shaders store less on Cycles' stack.
