@@ -78,5 +78,6 @@ def stack_overflows(render: Callable[[], object]) -> bool:
             for heard in (out, err):
                 heard.seek(0)
             said = out.read(), err.read()
-            os.write(2, said[1])
+            with os.fdopen(os.dup(2), "wb") as given:  # also where the render failed
+                given.write(said[1])
         return OVERFLOW in b"".join(said)

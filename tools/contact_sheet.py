@@ -22,7 +22,7 @@ PAPER, INK = (250, 250, 250), (40, 40, 40)
 def sheet() -> Image.Image:
     """A heading and rows of pictures for each family; FileNotFoundError where a picture is missing."""
     sections: dict[str, list[str]] = {}
-    for preset in sorted(shipped().values(), key=lambda one: (families.number(one), one.id)):
+    for preset in sorted(shipped().values(), key=lambda one: (families.number(one.id), one.id)):
         sections.setdefault(families.of(preset), []).append(preset.id)
     rows = {title: -(-len(members) // COLUMNS) for title, members in sections.items()}
     height = sum(HEADING + TILE * count for count in rows.values())

@@ -20,7 +20,7 @@ from mathutils import Vector
 from ...nodegroups import REVISION_KEY, versions
 from ..models import MODELS
 from ..models.estimators import NATIVE
-from . import lamps, rays, roles
+from . import lamps, origin, rays, roles
 from .choice import bindable
 from .reading import bound_slots, is_ours, origin_of
 
@@ -188,9 +188,9 @@ def of(scene: Scene | SceneFacts, *, update: bool = True) -> SceneFacts:
     for material in {one for used in materials.values() for one in used}:
         tree = versions.used_nodes(material)
         looks[material] = Traits() if tree is None else _traits(tree, of_trees)
-        if is_ours(material):  # what an artist added to it counts, and a sheet, which Cycles' shadow rays pass
-            sheet = origin_of(material).preset.is_sheet
-            looks[material] = replace(looks[material], transparent=looks[material].transparent or sheet, volume=False)
+        if record := origin.read(material):  # what an artist added to it counts, and a sheet, which shadow rays pass
+            transparent = looks[material].transparent or record.preset.is_sheet
+            looks[material] = replace(looks[material], transparent=transparent, volume=False)
     shining = {item: max((looks[one].strength for one in used), default=0.0) for item, used in materials.items()}
     middle = _middle([item for item, strength in shining.items() if strength == 0.0])
     sky = _sky(scene.world, of_trees)

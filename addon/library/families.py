@@ -24,9 +24,9 @@ def of(preset: Preset) -> str:
     return title(preset.id)
 
 
-def number(preset: Preset) -> int:
-    """The place of its family: a user's own come first, the laboratory last."""
-    return TITLES.index(of(preset)) if of(preset) in TITLES else -1
+def number(identity: str) -> int:
+    """The place of the family of a preset's id: a user's own come first, the laboratory last."""
+    return TITLES.index(title(identity)) if title(identity) in TITLES else -1
 
 
 def title(identity: str) -> str:

@@ -53,7 +53,7 @@ def search(query: str, presets: Iterable[Preset]) -> list[Preset]:
 
 def _order(asked: list[str], preset: Preset, ranks: list[int | None]) -> tuple[bool, int, int, int]:
     """The special families after all; the place of the word found last; how many words more a name has; the family."""
-    family = families.number(preset)
+    family = families.number(preset.id)
     more = len(_entry(preset.id, preset.name, preset.tags).name.difference(asked))
     return family >= families.SPECIAL, max(rank or 0 for rank in ranks), more, family
 

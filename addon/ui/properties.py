@@ -108,8 +108,7 @@ def _found(words: str, _identities: tuple[str, ...]) -> list[str]:
 @lru_cache(maxsize=2)
 def _in_family(family: str, identities: tuple[str, ...]) -> list[str]:
     listed = [one for one in identities if family in {"", ALL, families.title(one)}]
-    order = (*dict.fromkeys(families.title(one) for one in listed if families.title(one) not in families.TITLES),)
-    return sorted(listed, key=lambda one: ((*order, *families.TITLES).index(families.title(one)), one))
+    return sorted(listed, key=lambda one: (families.number(one), one))
 
 
 def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
