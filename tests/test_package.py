@@ -68,6 +68,7 @@ def in_a_new_blender(script, folder, *arguments):
 
 @pytest.fixture(scope="module")
 def archive(tmp_path_factory):
+    """Built from this folder, with whatever lies in it."""
     spec = importlib.util.spec_from_file_location("package", ROOT / "tools" / "package.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

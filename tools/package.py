@@ -7,11 +7,15 @@ python tools/package.py FOLDER
 from __future__ import annotations
 
 import importlib.util
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
+# All that goes in, whatever else lies in the folder; previews and assets where they were made.
+PARTS = "__init__.py", "blender_manifest.toml", "LICENSE", "addon", "nodegroups", "osl", "presets", "previews", "assets"
 
 
 def blender_ext() -> Path:
@@ -26,7 +30,11 @@ def package(folder: Path) -> Path:
     """The zip, made in ``folder``; CalledProcessError if Blender's tool refuses it."""
     folder.mkdir(parents=True, exist_ok=True)
     tool = [sys.executable, str(blender_ext())]
-    subprocess.run([*tool, "build", "--source-dir", str(ROOT), "--output-dir", str(folder)], check=True)
+    with tempfile.TemporaryDirectory() as source:
+        for part in filter(Path.exists, (ROOT / name for name in PARTS)):
+            copy = shutil.copytree if part.is_dir() else shutil.copy
+            copy(part, Path(source) / part.name)
+        subprocess.run([*tool, "build", "--source-dir", source, "--output-dir", str(folder)], check=True)
     newest = max(folder.glob("vgroove-*.zip"), key=lambda path: path.stat().st_mtime)
     subprocess.run([*tool, "validate", str(newest)], check=True)
     return newest
