@@ -10,7 +10,7 @@ import pytest
 
 from vgroove import headless, nodegroups
 from vgroove.addon.blender import follow, gonio, lamps, material, roles
-from vgroove.addon.blender.material import lamps_to_bind
+from vgroove.addon.blender.choice import lamps_to_bind, most_lights
 from vgroove.addon.choose import advice
 from vgroove.lab.check.cook_torrance import SUN_THETAS, materials
 from vgroove.lab.check.rows import SETUPS, Row, View
@@ -741,8 +741,10 @@ def test_what_cannot_be_followed_is_refused_in_one_line(blender):
     assert lamps_to_bind(stage, "direct") == ()
 
 
-def test_at_most_eight_lamps_are_bound_the_strongest_first(blender):
-    """A ninth is left out, and the advice says which."""
+def test_as_many_lamps_are_bound_as_fit_the_strongest_first(blender):
+    """Of ten the weakest are left out, and the advice says which: two, and on 4.5 as many as its smaller stack asks."""
+    most = most_lights("direct", "cook_torrance")
+    assert most == (8 if versions.LEAN_STACK else 6)
     stage = blender.context.scene
     stage.render.engine = "CYCLES"
     for index in range(10):
@@ -750,11 +752,12 @@ def test_at_most_eight_lamps_are_bound_the_strongest_first(blender):
         item.data.energy = 1.0 + index
         stage.collection.objects.link(item)
     taken = lamps_to_bind(stage, "direct")
-    assert [light.name for light in taken] == [f"Sun {index}" for index in range(9, 1, -1)]
+    strongest_first = [f"Sun {index}" for index in range(9, -1, -1)]
+    assert [light.name for light in taken] == strongest_first[:most]
     (said,) = (p for p in advice.problems(stage, "nodes", "direct") if p.key == "limit")
-    assert "Sun 1, Sun 0" in said.text
+    assert ", ".join(strongest_first[most:]) in said.text
     with pytest.raises(material.MaterialError, match="at most 8"):
-        material.Choice("nodes", "direct", (*taken, taken[0]))
+        material.Choice("nodes", "direct", (taken * 2)[:9])
 
 
 def test_the_strongest_lamp_is_the_one_that_gives_most_to_the_middle_of_the_objects(blender):
