@@ -2,10 +2,12 @@
 """The models as Cycles shader node groups, built in code: one group a file, each reading like its reference.
 
 ``ensure`` is the one way to a group: it makes each group once a .blend and makes it again when it is out of date.
+Names of groups that models hold inside begin with a dot: Blender's Add menu and lists leave them out.
 """
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import bpy
@@ -31,7 +33,9 @@ def ensure(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types
     it; Blender gives the new one a numbered name.
     """
     for group in bpy.data.node_groups:
-        same = group.name.split(".")[0] == name and group.get(REVISION_KEY) == revision and group.library is None
+        same = (
+            re.sub(r"\.\d+$", "", group.name) == name and group.get(REVISION_KEY) == revision and group.library is None
+        )
         if same and cycles_of(group) == cycles.version() and _as_built(group) == _sockets(group):
             return group
     return make(name, revision, build)

@@ -16,7 +16,7 @@ import bpy
 from ..addon.library.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
+    from collections.abc import Iterator, Mapping
 
     from bpy.types import Node, NodeSocket
 
@@ -67,8 +67,10 @@ class Value:
     def __neg__(self) -> Value:
         return self * -1.0
 
-    def __pow__(self, exponent: int) -> Value:
-        """Whole powers by products, so that no logarithm rounds them."""
+    def __pow__(self, exponent: float) -> Value:
+        """Whole powers by products, so that no logarithm rounds them, and the square root as 0.5."""
+        if exponent == 0.5:
+            return sqrt(self)
         if exponent == 1:
             return self
         half = self ** (exponent // 2)
@@ -128,11 +130,12 @@ class Tree:
         item.min_value, item.max_value, item.default_value, item.hide_value = low, high, default, hide_value
         return hold(self._from_input(), low, high) if held else self._from_input()
 
-    def inputs_of(self, group: bpy.types.ShaderNodeTree, prefix: str = "", own: Container[str] = ()) -> None:
+    def inputs_of(self, group: bpy.types.ShaderNodeTree, names: Mapping[str, str] | None = None) -> None:
         """Inputs like those of another group, panels too, but for names that there are already.
 
-        Those of the names ``own`` get the ``prefix`` and go where the caller is, into a panel of its.
+        Those that ``names`` calls otherwise go where the caller is, into a panel of its.
         """
+        own = names or {}
         around, panels = self._panel, {"": None}
         known = {socket.name for socket in self._input.outputs}
         for item in group.interface.items_tree:
@@ -142,8 +145,7 @@ class Tree:
                 panels[item.name] = same or self.node_tree.interface.new_panel(item.name, default_closed=True)
             elif item.in_out == "INPUT" and (item.name in own or item.name not in known):
                 self._panel = around if item.name in own else panels[item.parent.name]
-                name = (prefix if item.name in own else "") + item.name
-                copy = self._socket(name, "INPUT", item.socket_type, item.description)
+                copy = self._socket(own.get(item.name, item.name), "INPUT", item.socket_type, item.description)
                 self._panel = around
                 for name in ("subtype", "min_value", "max_value", "default_value", "hide_value"):
                     if hasattr(item, name):
@@ -225,6 +227,13 @@ class Tree:
     def nested(self, node_tree: bpy.types.ShaderNodeTree) -> Node:
         """A nested node group; nothing of it connected yet."""
         return self.node("ShaderNodeGroup", node_tree=node_tree, label=node_tree.name)
+
+    def passing(self, node_tree: bpy.types.ShaderNodeTree, names: Mapping[str, str] | None = None) -> Node:
+        """A nested node group, fed by the inputs made here under its inputs' names, or what ``names`` calls them."""
+        node = self.nested(node_tree)
+        for socket in node.inputs:
+            self.connect(self.given((names or {}).get(socket.name, socket.name)), socket)
+        return node
 
     def group(self, node_tree: bpy.types.ShaderNodeTree, **inputs: Number) -> Node:
         """A nested node group with inputs connected by name ('_' for a blank)."""

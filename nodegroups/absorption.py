@@ -15,7 +15,7 @@ from .parameters import add_input
 if TYPE_CHECKING:
     from ._tree import Tree
 
-NAME = "VGroove Absorption"
+NAME = ".VGroove Absorption"
 REVISION = 2
 
 

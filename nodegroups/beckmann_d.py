@@ -5,7 +5,7 @@ from math import pi
 
 from ._tree import Tree, dot, exp, less, maximum, scale
 
-NAME = "VGroove Beckmann D"
+NAME = ".VGroove Beckmann D"
 REVISION = 1
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ..addon.models import label
 from ..addon.models.car_paint import MODEL, SHARE
-from .parameters import add_input
+from .parameters import add_input, renamed
 from .shading_normal import typical_smoothing
 
 if TYPE_CHECKING:
@@ -20,34 +21,26 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Car Paint"
-REVISION = 6
-OWN = {one.label for one in MODEL.lobes if one != SHARE}  # inputs that each lobe has for itself
+REVISION = 7
 
 
 def build(
     tree: Tree, base: bpy.types.ShaderNodeTree, lobe: bpy.types.ShaderNodeTree, lobes: int, *, averaged: bool = False
 ) -> None:
     """``base`` and ``lobe``: the groups of the parts, by the same estimator and backend; ``averaged``: as of sums."""
-    tree.inputs_of(base)
-    shaders = [nested(tree, base, "").outputs[0]]
+    of_base = renamed(MODEL.name, "oren_nayar")
+    tree.inputs_of(base, of_base)
+    shaders = [tree.passing(base, of_base).outputs[0]]
     if averaged:
         shaders[0] = tree.weighted(shaders[0], typical_smoothing(tree, tree.given("Normal")))
     for k in range(1, lobes + 1):
-        prefix = f"Lobe {k} "
+        own = {one.label: label(MODEL.name, f"{one.name}_{k}") for one in MODEL.lobes if one != SHARE}
         with tree.panel(f"Lobe {k}"):
-            s = add_input(tree, SHARE, prefix=prefix)
-            tree.inputs_of(lobe, prefix, OWN)
+            s = add_input(tree, SHARE, prefix=f"Lobe {k} ")
+            tree.inputs_of(lobe, own)
         with tree.frame(f"Lobe {k}"):
-            shaders.append(tree.weighted(nested(tree, lobe, prefix).outputs[0], s))
+            shaders.append(tree.weighted(tree.passing(lobe, own).outputs[0], s))
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
-
-
-def nested(tree: Tree, group: bpy.types.ShaderNodeTree, prefix: str) -> bpy.types.Node:
-    """A use of ``group``, fed from the inputs made for it."""
-    node = tree.nested(group)
-    for socket in node.inputs:
-        tree.connect(tree.given((prefix if socket.name in OWN else "") + socket.name), socket)
-    return node
 
 
 def variant(

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 from ..addon.models.cook_torrance import MODEL, SLOPE
 from ..addon.models.fresnel import KINDS
 from . import fresnel, osl_script, shading_normal
-from .parameters import add_input
+from .parameters import add_input, given
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from bpy.types import Node
 
     from ..addon.models import Form
@@ -28,15 +30,15 @@ class Inputs:
 
 
 def interface(tree: Tree, kind: str, *, native: bool = False) -> Inputs:
-    """The Fresnel term's own; Slope m, within what Cycles' closures take if ``native``; Normal."""
+    """The Fresnel term's own; Roughness, within what Cycles' closures take if ``native``; Normal."""
     terms = fresnel.interface(tree, kind)
     return Inputs(terms, add_input(tree, SLOPE, native=native), shading_normal.interface(tree))
 
 
-def inherited_inputs(tree: Tree, kind: str) -> Inputs:
-    """The same inputs in a group that repeats another group's (``Tree.inputs_of``); of a coupled sum's kinds."""
-    terms = {one.name: tree.given(one.label) for one in KINDS[kind].parameters}
-    return Inputs(terms, tree.given(SLOPE.label), tree.given("Normal"))
+def inherited_inputs(tree: Tree, kind: str, names: Mapping[str, str]) -> Inputs:
+    """The same in a group that repeats another group's inputs by these ``names`` (``Tree.inputs_of``)."""
+    terms = {one.name: given(tree, one, names) for one in KINDS[kind].parameters}
+    return Inputs(terms, given(tree, SLOPE, names), tree.given("Normal"))
 
 
 def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:

@@ -14,7 +14,7 @@ from .polynomial import horner2
 if TYPE_CHECKING:
     from . import cook_torrance
 
-NAME = "VGroove Albedo Facets"
+NAME = ".VGroove Albedo Facets"
 REVISION = 1
 
 

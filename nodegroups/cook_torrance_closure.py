@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket
 
 NAME = "VGroove Cook-Torrance Closure"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str) -> None:

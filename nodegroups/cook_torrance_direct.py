@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Direct"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:

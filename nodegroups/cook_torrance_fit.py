@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Fit"
-REVISION = 8
-LOOK_UP_NAME = "VGroove Fit Lobes"
+REVISION = 9
+LOOK_UP_NAME = ".VGroove Fit Lobes"
 
 
 def build(tree: Tree, kind: str) -> None:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Cook-Torrance Hybrid"
-REVISION = 6
+REVISION = 7
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._tree import Value
 
 NAME = "VGroove Cook-Torrance Mirror"
-REVISION = 4
+REVISION = 5
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:

@@ -18,7 +18,7 @@ from .oren_nayar_table import MEAN
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-NAME = "VGroove Cycles Diffuse"
+NAME = ".VGroove Cycles Diffuse"
 REVISION = 2
 A = 1.0 / (pi + GRAZING_LOSS)
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What EEVEE shows of a material: ``closure``, fed by the same inputs as the estimator that Cycles renders.
+"""What EEVEE shows of a material whose nodes it cannot run: ``closure``, fed by the same inputs.
 
-EEVEE has no random facets, no shadow rays from shaders and no OSL. Cycles drops what only this output needs.
+EEVEE has no random facets, no shadow rays from shaders and no OSL. Native closures it shows as they are: those of
+``fit`` nearer to Cycles than ``closure``. Cycles drops what only this output needs.
 """
 
 from __future__ import annotations
@@ -19,7 +20,5 @@ OUTPUT = "EEVEE"
 def add_closure(tree: Tree, closure: bpy.types.ShaderNodeTree) -> None:
     """A second output: the group ``closure``, its inputs linked to those of the same name."""
     with tree.frame("What EEVEE shows: Cycles' own closure"):
-        node = tree.nested(closure)
-        for socket in node.inputs:
-            tree.connect(tree.given(socket.name), socket)
+        node = tree.passing(closure)
     tree.output_shader(OUTPUT, node.outputs[0], tip="To a Material Output for EEVEE")

@@ -10,8 +10,8 @@ from . import ensure, schlick
 from ._tree import Tree, Value, clamp, maximum
 from .parameters import add_input
 
-NAME = "VGroove F82"
-REVISION = 2
+NAME = ".VGroove F82"
+REVISION = 3
 
 
 def interface(tree: Tree) -> dict[str, Value]:
@@ -29,5 +29,5 @@ def build(tree: Tree) -> None:
 
 
 def _schlick(tree: Tree, f0: Value, cosine: Value | float) -> Value:
-    node = tree.group(ensure(schlick.NAME, schlick.REVISION, schlick.build), F0=f0, Cosine=cosine)
+    node = tree.group(ensure(schlick.NAME, schlick.REVISION, schlick.build), Base_Color=f0, Cosine=cosine)
     return Value(tree, node.outputs["F"])

@@ -11,7 +11,7 @@ from ._tree import Tree, Value, cross, dot, less, normalize, select, tangents
 if TYPE_CHECKING:
     from ._tree import Number
 
-NAME = "VGroove Fit Mixture"
+NAME = ".VGroove Fit Mixture"
 REVISION = 4
 
 

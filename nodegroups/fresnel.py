@@ -8,7 +8,7 @@ KINDS = {"schlick": schlick, "dielectric": fresnel_dielectric, "conductor": fres
 
 
 def interface(tree: Tree, kind: str) -> dict[str, Value]:
-    """The inputs of Fresnel ``kind``: F0, or IOR, or n and k, or F0 and F82 Tint."""
+    """The inputs of Fresnel ``kind``: of F0, or the IOR, or n and k, or F0 and the tint at 82 degrees."""
     return KINDS[kind].interface(tree)
 
 

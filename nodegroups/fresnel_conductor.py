@@ -8,8 +8,8 @@ from ..addon.models.fresnel import K, N
 from ._tree import Tree, Value, clamp, sqrt, vector
 from .parameters import add_input
 
-NAME = "VGroove Fresnel Conductor"
-REVISION = 2
+NAME = ".VGroove Fresnel Conductor"
+REVISION = 3
 
 
 def interface(tree: Tree) -> dict[str, Value]:

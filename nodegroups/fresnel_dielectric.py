@@ -5,7 +5,7 @@ from ..addon.models.fresnel import ETA
 from ._tree import Tree, Value, clamp, maximum, sqrt
 from .parameters import add_input
 
-NAME = "VGroove Fresnel Dielectric"
+NAME = ".VGroove Fresnel Dielectric"
 REVISION = 2
 
 

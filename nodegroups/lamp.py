@@ -104,7 +104,7 @@ _SHAPES = {  # the inputs of a lamp group that the numbers of ``shape`` are for
 
 def name(kind: str, *, shadows: bool, sized: bool = False) -> str:
     """``sized``: for a sun with an angle, a point or spot with a radius; area lamps always are."""
-    parts = [f"VGroove {kind.title()} Lamp", *["sized"] * (sized and kind not in AREAS), *["shadows"] * shadows]
+    parts = [f".VGroove {kind.title()} Lamp", *["sized"] * (sized and kind not in AREAS), *["shadows"] * shadows]
     return ", ".join(parts)
 
 

@@ -6,11 +6,12 @@ Source: Oren & Nayar 1994, eqs. 27 to 30; ``addon/reference/oren_nayar.py``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import pi
 from typing import TYPE_CHECKING, Any
 
+from ..addon.models import PLAIN
 from ..addon.models.oren_nayar import ALBEDO, MODEL, SIGMA
 from . import ensure, osl_script, shading_normal
 from ._tree import Tree, Value, absolute, dot, greater, length, less, maximum, minimum, scale, select
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
     from ..addon.models import Form
     from ._tree import Number
 
-NAME = "VGroove Oren-Nayar"
-REVISION = 2
+NAME = ".VGroove Oren-Nayar"
+REVISION = 3
 LABELS = MODEL.kinds
 KINDS = tuple(LABELS)
 
@@ -38,12 +39,8 @@ class Inputs:
 
 
 def interface(tree: Tree) -> Inputs:
-    """Base Color; Sigma; Normal. The same for every estimator and backend."""
-    return Inputs(*_parameters(tree), shading_normal.interface(tree))
-
-
-def _parameters(tree: Tree) -> tuple[Value, Value]:
-    return add_input(tree, ALBEDO), add_input(tree, SIGMA)
+    """Base Color; Roughness; Normal. The same for every estimator and backend."""
+    return Inputs(add_input(tree, ALBEDO), add_input(tree, SIGMA), shading_normal.interface(tree))
 
 
 def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:
@@ -71,7 +68,8 @@ def build(tree: Tree, kind: str) -> None:
         tree.input_vector(name, (0, 0, 1), low=-1.0, high=1.0, tip="Unit vector away from the surface")
         for name in ("To Light", "To Viewer", "N")
     )
-    albedo, sigma = _parameters(tree)
+    plain = replace(SIGMA, label=SIGMA.symbol, subtype="ANGLE", scale=PLAIN)
+    albedo, sigma = add_input(tree, ALBEDO), add_input(tree, plain)
     with tree.frame("Cosines and sines of theta_i and theta_o"):
         light, view = dot(N, wi), dot(N, wo)
         lit = greater(light, 0.0)  # a map may turn N away from the viewer, which is then a grazing view

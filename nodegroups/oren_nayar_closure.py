@@ -21,8 +21,8 @@ from ._tree import Tree, Value, less, minimum, output, select
 from .oren_nayar_table import LAMBERT, table
 
 NAME = "VGroove Oren-Nayar Closure"
-REVISION = 3
-TIP = "To the material's Surface. Cycles' own model: off by up to {} at 34 degrees of Sigma, {} at 90"
+REVISION = 4
+TIP = "To the material's Surface. Cycles' own model: off by up to {} at a roughness of .7, {} at 1"
 OFF = {
     cycles.UNTIL_5_2: {"full": ("16 %", "39 %"), "qualitative": ("30 %", "68 %")},
     cycles.SINCE_5_3: {"full": ("17 %", "41 %"), "qualitative": ("32 %", "73 %")},

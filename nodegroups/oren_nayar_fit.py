@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Oren-Nayar Fit"
-REVISION = 3
+REVISION = 4
 TIP = "To the material's Surface. Differs from the model by up to {}, from 80 degrees of view {}"
 OFF = {"full": ("6 %", "10 %"), "qualitative": ("10 %", "11 %")}
 
@@ -64,7 +64,7 @@ def closures(
 def weights(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[Value, Value]:
     """Colours of Lambert and of Cycles' Oren-Nayar of roughness 1, as ``weights`` of the reference.
 
-    What depends on sigma alone is folded into constants by Cycles where Sigma is not linked.
+    What depends on sigma alone is folded into constants by Cycles where Roughness is not linked.
     """
     of = table(kind)
     x = half_tangent(tree, shading_normal(tree, inputs.normal))

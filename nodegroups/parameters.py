@@ -5,25 +5,53 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..addon.models import MODELS, fresnel
+from ..addon.models import MODELS, fresnel, parameter
+from . import ensure
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
+
+    import bpy
 
     from ..addon.models import Parameter
     from ._tree import Tree, Value
 
 
 def add_input(tree: Tree, of: Parameter, *, native: bool = False, prefix: str = "", tip: str = "") -> Value:
-    """The artist's input for a parameter, held within its range; ``native``: within what Cycles' closures take."""
+    """A parameter, of the artist's input for it, held to its range; ``native``: to what Cycles' closures take."""
     name, tip = prefix + of.label, tip or of.tip
     if isinstance(of.default, float):
-        return tree.input_float(
-            name, of.default, low=of.low, high=_high(of, native=native), subtype=of.subtype, tip=tip, held=True
+        default, low, high = map(of.scale.to_input, (of.default, of.low, _high(of, native=native)))
+        return of.scale.of_input(
+            tree.input_float(name, default, low=low, high=high, subtype=of.subtype, tip=tip, held=True)
         )
     if of.socket == "Color":
         return tree.input_color(name, of.default, tip=tip, high=max(of.high, 1.0), held=True)  # a texture may be white
     return tree.input_vector(name, of.default, low=of.low, high=of.high, tip=tip, held=True)
+
+
+def given(tree: Tree, of: Parameter, names: Mapping[str, str]) -> Value:
+    """A parameter, of the input made before for it under its label, or what ``names`` calls that."""
+    return of.scale.of_input(tree.given(names.get(of.label, of.label)))
+
+
+def to_input(name: str) -> bpy.types.ShaderNodeTree:
+    """A group that turns parameter ``name``, as textures of older files give it, into what its input takes."""
+    of = parameter(name)
+
+    def build(tree: Tree) -> None:
+        value = tree.input_float(of.symbol, 0.3, low=of.low, high=of.high, tip=of.tip, held=True)
+        tree.output_float(of.label, of.scale.to_input(value), tip=of.tip)
+
+    return ensure(f".VGroove {of.symbol} to {of.label}", 1, build)
+
+
+def renamed(model: str, part: str) -> dict[str, str]:
+    """What groups of ``model`` call inputs of the groups of its ``part``, where not as these do."""
+    spec = MODELS[part]
+    terms = [one for kind in fresnel.KINDS.values() for one in kind.parameters] if spec.has_fresnel else []
+    own = {one.name: one.label for one in (*spec.parameters, *terms)}
+    return {own[name]: label for name, label in MODELS[model].labels.items() if name in own}
 
 
 def _high(of: Parameter, *, native: bool) -> float:
@@ -52,7 +80,7 @@ def _declarations(name: str, *, native: bool) -> Iterator[str]:
 
 
 def _declaration(of: Parameter, *, native: bool) -> str:
-    about = [f'string label = "{of.label}"', f'string help = "{of.tip}"']
+    about = [f'string label = "{of.symbol or of.label}"', f'string help = "{of.tip}"']
     if of.unit:
         about.append(f'string units = "{of.unit}"')
     if isinstance(of.default, float):

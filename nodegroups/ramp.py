@@ -16,7 +16,7 @@ from ._tree import Tree, Value, clamp, maximum, select
 if TYPE_CHECKING:
     import bpy
 
-NAME = "VGroove Ramp"
+NAME = ".VGroove Ramp"
 REVISION = 1
 NARROWEST = 1e-30  # so that a ramp whose ages coincide is a step
 

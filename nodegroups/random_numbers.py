@@ -17,7 +17,7 @@ from __future__ import annotations
 from . import ensure
 from ._tree import Tree, Value, output, vector
 
-NAME = "VGroove Random"
+NAME = ".VGroove Random"
 REVISION = 3
 
 MAX_LIGHTS = 50  # of one material

@@ -5,8 +5,8 @@ from ..addon.models.fresnel import F0
 from ._tree import Tree, Value, clamp
 from .parameters import add_input
 
-NAME = "VGroove Schlick"
-REVISION = 2
+NAME = ".VGroove Schlick"
+REVISION = 3
 
 
 def interface(tree: Tree) -> dict[str, Value]:

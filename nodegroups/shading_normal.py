@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
     from bpy.types import Node, NodeSocket
 
-NAME = "VGroove Normal"
+NAME = ".VGroove Normal"
 REVISION = 2
-SPECULAR_NAME = "VGroove Specular Normal"
+SPECULAR_NAME = ".VGroove Specular Normal"
 SPECULAR_REVISION = 3
-SMOOTHING_NAME = "VGroove Bump Smoothing"
+SMOOTHING_NAME = ".VGroove Bump Smoothing"
 TIP = "A bump or normal map; the surface's own if unlinked"
 LONGEST = 1e15  # its square is finite in float32
 LOWEST = 0.01  # cosine that Cycles keeps a mirrored ray above the surface; at most VIEW_SHARE of the view's own

@@ -10,7 +10,7 @@ from math import pi
 
 from ._tree import Tree, Value, cross, dot, exp, less, maximum, sqrt
 
-NAME = "VGroove Smith Lobe"
+NAME = ".VGroove Smith Lobe"
 REVISION = 1
 
 

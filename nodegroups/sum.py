@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..addon.models.sum import AT_MOST_ONE, MODEL, D, S
 from . import cook_torrance, cook_torrance_albedo
-from .parameters import add_input
+from .parameters import add_input, renamed
 from .shading_normal import specular_normal, typical_smoothing
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Sum"
-REVISION = 6
+REVISION = 7
 
 
 def build(
@@ -34,22 +34,20 @@ def build(
     ``averaged``: the diffuse part gets a share in place of Cycles' bump smoothing, which is off as specular lobes lean.
     """
     d, s = weights(tree, coupled=coupled is not None)
-    for part in (diffuse, specular):
-        tree.inputs_of(part)
+    names = {name: renamed(MODEL.name, model) for name, model in MODEL.parts}
+    tree.inputs_of(diffuse, names["diffuse"])
+    tree.inputs_of(specular, names["specular"])
     if coupled is not None:
-        inputs = cook_torrance.inherited_inputs(tree, coupled)
+        inputs = cook_torrance.inherited_inputs(tree, coupled, names["specular"])
         E = cook_torrance_albedo.directional_albedo(tree, coupled, inputs, specular_normal(tree, inputs.normal))
         with tree.frame("What the specular part leaves"):
             d = d * (1.0 - s * E)
     if averaged:
         d = d * typical_smoothing(tree, tree.given("Normal"))
     shaders = []
-    for part, weight in ((diffuse, d), (specular, s)):
+    for part, name, weight in ((diffuse, "diffuse", d), (specular, "specular", s)):
         with tree.frame(part.name):
-            node = tree.nested(part)
-            for socket in node.inputs:
-                tree.connect(tree.given(socket.name), socket)
-            shaders.append(tree.weighted(node.outputs[0], weight))
+            shaders.append(tree.weighted(tree.passing(part, names[name]).outputs[0], weight))
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 

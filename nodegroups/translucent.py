@@ -15,7 +15,7 @@ from ..addon.models.estimators import UPRIGHT
 from ..addon.models.translucent import MEAN_FREE_PATH, MODEL, REFLECTANCE
 from . import cook_torrance, cook_torrance_albedo
 from ._tree import Tree, output
-from .parameters import add_input
+from .parameters import add_input, renamed
 from .shading_normal import specular_normal, typical_smoothing
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..addon.models import Form
 
 NAME = "VGroove Translucent"
-REVISION = 6
+REVISION = 7
 
 
 def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bool = False) -> None:
@@ -33,8 +33,9 @@ def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bo
     ``averaged``: with what Bump Map Correction does to the body, where it is off as the coat's lobes lean.
     """
     color, path = add_input(tree, REFLECTANCE), add_input(tree, MEAN_FREE_PATH)
-    tree.inputs_of(coat)
-    inputs = cook_torrance.inherited_inputs(tree, kind)
+    names = renamed(MODEL.name, "cook_torrance")
+    tree.inputs_of(coat, names)
+    inputs = cook_torrance.inherited_inputs(tree, kind, names)
     N = specular_normal(tree, inputs.normal)
     E = cook_torrance_albedo.directional_albedo(tree, kind, inputs, N)
     with tree.frame("Below the surface"):
@@ -44,10 +45,8 @@ def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bo
         weight = (1.0 - E) * typical_smoothing(tree, inputs.normal) if averaged else 1.0 - E
         below = tree.weighted(output(body, "BSSRDF"), weight)
     with tree.frame(coat.name):
-        node = tree.nested(coat)
-        for socket in node.inputs:
-            tree.connect(tree.given(socket.name), socket)
-    tree.output_shader("BSDF", tree.add_shaders([below, node.outputs[0]]), tip="To the material's Surface")
+        above = tree.passing(coat, names).outputs[0]
+    tree.output_shader("BSDF", tree.add_shaders([below, above]), tip="To the material's Surface")
 
 
 def variant(

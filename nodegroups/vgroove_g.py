@@ -3,7 +3,7 @@
 
 from ._tree import Tree, minimum
 
-NAME = "VGroove G"
+NAME = ".VGroove G"
 REVISION = 1
 
 

@@ -22,6 +22,7 @@ from ...nodegroups import trajectory
 from ..models import parameter
 from ..reference.keyframes import Keyframes
 from . import colour_space, course, origin
+from .inputs import give
 from .material import CURVE, TRAJECTORY, animate, is_ours, parameter_sockets, preset_of, state_of, upgrade, values_of
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def refresh(made: Material) -> None:
         course.remove(made, sockets)
     for name, socket in sockets.items():
         if parameter(name).is_rgb or played:  # as taking a course away sets what it moves
-            socket.default_value = (*numbers[name], 1.0) if socket.type == "RGBA" else numbers[name]
+            give(name, socket, numbers[name])
     if not played:
         _convert_course(made, values, before, after, T if converted else None)
     colour_space.mark(made)

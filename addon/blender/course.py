@@ -19,9 +19,11 @@ from ...nodegroups import trajectory as trajectory_group
 from ...nodegroups.trajectory import AGE, OFFSET, RATE
 from ..library.errors import InputError
 from ..library.timeline import plain
+from ..models import parameter
 from ..reference.keyframes import TOLERANCE, TOLERANCES, Keyframes, place_keys
 from ..reference.trajectory import Keys, Trajectory, local_age
 from . import fcurves, roles
+from .inputs import Converted, scale_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
 
     from ...nodegroups._tree import Tree
     from ...nodegroups.trajectory import Key
+    from ..models import Scale
+    from ..reference.trajectory import Law
 
 DRIVINGS = ("curves", "age")
 INTERPOLATIONS = ("linear", "shape")
@@ -75,9 +79,11 @@ class Play:
             raise AnimationError(message)
 
 
-def keyframes(course: Trajectory, play: Play) -> dict[str, Keyframes]:
-    """The keys of each parameter, by age."""
-    of_age = Trajectory({name: _ByAge(course, name) for name in course.laws}, 0.0, 1.0)
+def keyframes(course: Trajectory, play: Play, scales: Mapping[str, Scale] | None = None) -> dict[str, Keyframes]:
+    """The keys of each parameter's input, by age; ``scales``: of inputs that hold theirs in another way than usual."""
+    usual = {name: parameter(name).scale for name in course.laws} | dict(scales or {})
+    laws: dict[str, Law] = {name: Converted(_ByAge(course, name), usual[name].to_input) for name in course.laws}
+    of_age = Trajectory(laws, 0.0, 1.0)
     shape: Any = play.interpolation
     return {name: place_keys(of_age, name, play.tolerance, shape) for name in course.laws}
 
@@ -104,7 +110,7 @@ def animate(
 
     What an artist linked something to, or took away, is left as it is.
     """
-    keys = keyframes(course, play)
+    keys = keyframes(course, play, {name: scale_of(name, socket) for name, socket in sockets.items()})
     free = {name for name, socket in sockets.items() if not socket.is_linked}
     moving = {name: of for name, of in keys.items() if of.times.size > 1 and name in free}
     if not moving:
@@ -285,7 +291,7 @@ def _tabulated(knots: NDArray[np.float64], evaluate: Callable[[NDArray[np.float6
 
 
 def courses(material: Material, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyframes]:
-    """The course of each parameter that changes, by age, as a material's curves or ramps have it now."""
+    """The course of each input that changes, by its parameter and age, as a material's curves or ramps have it now."""
     node = trajectory_node(material)
     if node is not None:
         return _read_keys(node, sockets)

@@ -55,7 +55,7 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.lamps:
         label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
     build = partial(build_group, **arguments)
-    if choice.estimator != "closure":
+    if choice.backend == "osl" or choice.estimator not in NATIVE:
         build = partial(_with_eevee, build, group_of(preset, Choice("nodes", "closure")))
     return nodegroups.ensure(label + suffix(choice), module.REVISION, build)
 

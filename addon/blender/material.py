@@ -11,12 +11,14 @@ import bpy
 
 from ... import nodegroups
 from ...nodegroups import absorption, eevee, lamp, random_numbers, versions
+from ..models import label
 from ..models.estimators import ALL as ESTIMATORS
 from ..models.estimators import EVERY_LIGHT, NATIVE, RANDOM, UPRIGHT
 from . import colour_space, course, origin, roles
 from . import lamps as lamp_binding
 from .choice import BACKENDS, Choice, MaterialError, bindable, binds, lamps_to_bind
 from .groups import BUILDERS, group_of, suffix
+from .inputs import give
 from .origin import Record
 from .reading import (
     CURVE,
@@ -31,8 +33,6 @@ from .reading import (
     parameter_sockets,
     plays,
     preset_of,
-    socket_name,
-    socket_value,
     state_of,
     to_preset,
     upgrade,
@@ -40,7 +40,7 @@ from .reading import (
 )
 
 if TYPE_CHECKING:
-    from bpy.types import Material, Node, NodeSocket, ShaderNodeTree
+    from bpy.types import Material, Node, ShaderNodeTree
 
     from ..library.presets import Preset
     from .course import Play
@@ -50,8 +50,8 @@ __all__ = [  # the front of this room: what others need of a material, they take
     "BACKENDS", "BUILDERS", "CURVE", "ESTIMATORS", "EVERY_LIGHT", "NATIVE", "RANDOM", "TRAJECTORY", "UPRIGHT",
     "Choice", "MaterialError", "Origin", "absorbs", "add_model", "animate", "bind_lights", "bindable", "binds",
     "bound_slots", "build", "curves", "fill", "group_of", "is_edited", "is_ours", "lamps_to_bind", "locked",
-    "numbers_of", "origin_of", "parameter_sockets", "play", "plays", "preset_of", "record_of", "set_input", "set_up",
-    "show_in_eevee", "show_in_solid_view", "socket_name", "state_of", "stop", "to_preset", "upgrade", "values_of",
+    "numbers_of", "origin_of", "parameter_sockets", "play", "plays", "preset_of", "record_of", "set_up",
+    "show_in_eevee", "show_in_solid_view", "state_of", "stop", "to_preset", "upgrade", "values_of", "write_numbers",
 ]  # fmt: skip
 
 
@@ -104,10 +104,13 @@ def _is_built_so(material: Material, record: Record, group: ShaderNodeTree) -> b
     return same and not colour_space.is_stale(material) and not is_edited(material)
 
 
-def fill(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree) -> None:
+def fill(
+    material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree, *, keep_nodes: bool = False
+) -> None:
     """The material as it is at the start of its course."""
     tree = versions.nodes_of(material)
-    tree.nodes.clear()
+    if not keep_nodes:
+        tree.nodes.clear()
     node = add_model(material, preset, choice, group)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     output.location, output[roles.KEY] = (300, 0), roles.OUTPUT
@@ -122,9 +125,7 @@ def fill(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTr
 def add_model(material: Material, preset: Preset, choice: Choice, group: ShaderNodeTree) -> Node:
     """A node of the model with the preset's numbers, and the lights that it evaluates."""
     node = _group_node(material.node_tree, group, preset.name, roles.MODEL)
-    for name, value in numbers_of(preset).items():
-        if socket_name(name) in node.inputs:  # smooth glass has no slope
-            set_input(node.inputs[socket_name(name)], value)
+    write_numbers(node, preset)
     colour_space.mark(material)
     if choice.estimator == "hybrid":
         node.inputs["Bound"].default_value = choice.bound
@@ -132,10 +133,16 @@ def add_model(material: Material, preset: Preset, choice: Choice, group: ShaderN
     return node
 
 
+def write_numbers(node: Node, preset: Preset) -> None:
+    """Give a model's node a preset's parameters."""
+    for name, value in numbers_of(preset).items():
+        if (text := label(preset.model, name)) in node.inputs:  # smooth glass has no roughness
+            give(name, node.inputs[text], value)
+
+
 def numbers_of(preset: Preset) -> dict[str, Any]:
-    """A preset's parameters as inputs have them in the open file's working space."""
-    numbers = colour_space.to_space(preset.parameters, colour_space.matrix())
-    return {name: socket_value(name, value) for name, value in numbers.items()}
+    """A preset's parameters in the open file's working space."""
+    return colour_space.to_space(preset.parameters, colour_space.matrix())
 
 
 def bind_lights(material: Material, node: Node, choice: Choice) -> None:
@@ -180,7 +187,7 @@ def _absorb(tree: ShaderNodeTree, output: Node, taken: Any) -> None:
     group = nodegroups.ensure(absorption.NAME, absorption.REVISION, absorption.build)
     node = _group_node(tree, group, "Absorption", roles.ABSORPTION)
     node.location = (0, -320)
-    set_input(node.inputs["Absorption"], taken)
+    give("absorption", node.inputs["Absorption"], taken)
     tree.links.new(node.outputs[0], output.inputs["Volume"])
 
 
@@ -211,7 +218,7 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Light, choice: Choi
     slot, osl = one.slot, choice.backend == "osl"
     shadows = choice.shadows and slot.shadows and (osl or lamp.can_cast_shadows())
     make = partial(lamp.build_slot, slot=slot, shadows=shadows, osl=osl)
-    name = f"VGroove Light {slot}" + ", no shadows" * (slot.shadows and not shadows) + suffix(choice)
+    name = f".VGroove Light {slot}" + ", no shadows" * (slot.shadows and not shadows) + suffix(choice)
     source = _group_node(tree, nodegroups.ensure(name, lamp.REVISION, make), f"Light {index}: {slot}", roles.LIGHT)
     source.location = (-300, -160 * (index - 1))
     if "Stream" in source.inputs:
@@ -235,7 +242,3 @@ def _group_node(tree: ShaderNodeTree, group: ShaderNodeTree, label: str, role: s
     if role:
         node[roles.KEY] = role
     return node
-
-
-def set_input(socket: NodeSocket, value: Any) -> None:
-    socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value

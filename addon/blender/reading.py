@@ -13,27 +13,19 @@ import numpy as np
 from ... import nodegroups
 from ...nodegroups import trajectory
 from ..library.timeline import Timeline
-from ..models import base_name, parameter
+from ..models import PLAIN, label, parameter, symbol
 from ..reference.hybrid import BOUNDS
+from ..reference.keyframes import Keyframes, place_keys
+from ..reference.trajectory import Trajectory
 from . import colour_space, course, origin, roles
 from .choice import MaterialError
+from .inputs import Converted, scale_of, value_of
 
 if TYPE_CHECKING:
     from bpy.types import FCurve, Material, Node, NodeSocket
 
     from ..library.presets import Preset
     from .origin import Record
-
-
-def socket_name(key: str) -> str:
-    """The group input of a parameter: "Slope m" of m, "Lobe 2 Slope m" of m_2."""
-    lobe = key.removeprefix(base_name(key))[1:]
-    return f"Lobe {lobe} {parameter(key).label}" if lobe else parameter(key).label
-
-
-def socket_value(key: str, value: Any) -> Any:
-    """A parameter's value as its input stores it: m = 0, a smooth interface, becomes the lowest m."""
-    return parameter(key).socket_value(value)
 
 
 @dataclass(frozen=True)
@@ -66,7 +58,7 @@ def parameter_sockets(material: Material) -> dict[str, NodeSocket]:
         inputs |= nodegroups.inputs(node) if node else {}
     found = {}
     for name, value in record.preset.parameters.items():
-        socket = inputs.get(socket_name(name))
+        socket = inputs.get(label(record.preset.model, name)) or inputs.get(symbol(name))
         smooth = parameter(name).zero_is_smooth and value == 0.0
         if socket is not None and not smooth and (socket.type == "VALUE") == isinstance(value, float):
             found[name] = socket
@@ -131,9 +123,8 @@ def locked(material: Material) -> str:
 
 
 def values_of(material: Material) -> dict[str, Any]:
-    """The numbers of a material as its inputs hold them, in the working space."""
-    found = {name: socket.default_value for name, socket in parameter_sockets(material).items()}
-    return {name: tuple(of)[:3] if isinstance(of, Iterable) else float(of) for name, of in found.items()}
+    """The numbers of a material as its inputs have them, in the working space."""
+    return {name: value_of(name, socket) for name, socket in parameter_sockets(material).items()}
 
 
 def is_edited(material: Material) -> bool:
@@ -167,7 +158,7 @@ def to_preset(material: Material) -> Preset:
     known = record.preset.time or Timeline("share", 0.0, 1.0, "authored", {})
     laws: dict[str, dict[str, Any]] = {}
     starts: dict[str, Any] = {}
-    courses = course.courses(material, parameter_sockets(material))
+    courses = _courses(material)
     for name, keys in colour_space.courses(courses, values_of(material), colour_space.of(material)).items():
         times = (known.start + keys.times * (known.end - known.start)).tolist()
         values = [tuple(of) if isinstance(of, list) else of for of in keys.values.tolist()]
@@ -177,6 +168,20 @@ def to_preset(material: Material) -> Preset:
             laws[name] = {"law": "keys", "times": [time for time, _ in later], "values": [of for _, of in later]}
     time = replace(known, kind="authored", laws=laws) if laws else None  # one key alone: it stands still
     return replace(now, parameters=now.parameters | starts, time=time)
+
+
+def _courses(material: Material) -> dict[str, Keyframes]:
+    """The course of each parameter that changes, by age."""
+    sockets = parameter_sockets(material)
+    found = course.courses(material, sockets)
+    for name, keys in found.items():
+        scale = scale_of(name, sockets[name])
+        if scale is not PLAIN and keys.times.size > 1:  # what is straight in the input is not in the parameter
+            law = Converted(keys.law(), scale.of_input)
+            found[name] = place_keys(Trajectory({name: law}, float(keys.times[0]), float(keys.times[-1])), name)
+        else:
+            found[name] = Keyframes(keys.times, scale.of_input(keys.values))
+    return found
 
 
 CURVE, TRAJECTORY = "F-curve", "trajectory"  # how the entries of a state begin that tell of its course
@@ -258,10 +263,10 @@ def _in_rec709(material: Material) -> dict[str, Any]:
     """
     if colour_space.KEY not in material:
         return {}
-    built = {name: socket_value(name, of) for name, of in record_in(material).preset.parameters.items()}
+    built = {name: parameter(name).held(of) for name, of in record_in(material).preset.parameters.items()}
     read = colour_space.read(values_of(material), built, colour_space.of(material))
     found = {}
     for name, socket in parameter_sockets(material).items():
-        number = np.float32(read[name]).tolist()
+        number = np.float32(scale_of(name, socket).to_input(read[name])).tolist()
         found[socket.path_from_id()] = [*number, 1.0] if socket.type == "RGBA" else number
     return found

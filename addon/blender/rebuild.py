@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ... import nodegroups
-from ...nodegroups import eevee
+from ...nodegroups import eevee, parameters
+from ..models import label, parameter
 from ..reference import cycles
 from . import colour_space, colour_update, course, fcurves, material, origin, roles
+from .inputs import DIGITS, give, scale_of
 from .material import Choice, lamps_to_bind
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from bpy.types import Driver, Material, Node, NodeSocket, Scene, ShaderNodeTree
 
@@ -58,6 +60,25 @@ def rebuild(
     return lost
 
 
+def as_preset(made: Material, scene: Scene, change: Callable[[Preset], Preset]) -> list[str]:
+    """Change ``made`` in place to what ``change`` makes of its present numbers; nothing where that is the same.
+
+    Returns what could not be kept, a sentence each.
+    """
+    record, before = _current(made), material.origin_of(made)
+    preset = change(before.preset)
+    if preset == before.preset:
+        return []
+    lamps = lamps_to_bind(scene, record.estimator, preset.model)
+    choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound)
+    lost = _exchange(made, preset, choice)
+    origin.write(made, replace(material.record_of(preset, choice), state=_as_new(preset, choice)))
+    numbers = material.numbers_of(preset)
+    for name, socket in material.parameter_sockets(made).items():
+        give(name, socket, numbers[name])
+    return lost
+
+
 def reset(made: Material, scene: Scene) -> list[str]:
     """Restore the numbers that ``made`` was built with, its animation, and its node group if that was deleted.
 
@@ -73,7 +94,7 @@ def reset(made: Material, scene: Scene) -> list[str]:
         course.remove(made, sockets)
     numbers = material.numbers_of(record.preset)
     for name, socket in sockets.items():
-        material.set_input(socket, numbers[name])
+        give(name, socket, numbers[name])
     material.animate(made, record)
     material.show_in_solid_view(made, record.preset)
     ours = course.trajectory_node(made)
@@ -143,7 +164,7 @@ def _exchange(made: Material, preset: Preset, choice: Choice) -> list[str]:
     if node is None:
         lost = _restore(made, preset, choice, group)
     else:
-        lost = _swap(made, node, group)
+        lost = _swap(made, node, group, preset)
         if "Bound" in (inputs := nodegroups.inputs(node)):
             inputs["Bound"].default_value = choice.bound
         material.bind_lights(made, node, choice)
@@ -175,13 +196,18 @@ def _restore(made: Material, preset: Preset, choice: Choice, group: ShaderNodeTr
     return [text]
 
 
-def _swap(made: Material, node: Node, group: ShaderNodeTree) -> list[str]:
-    """Replace the node's group. Blender matches sockets by number; here values and links follow their names."""
+def _swap(made: Material, node: Node, group: ShaderNodeTree, preset: Preset) -> list[str]:
+    """Replace the node's group. Blender matches sockets by number; here values and links follow their names.
+
+    Those of older files have other names, and some hold their parameter in another way.
+    """
     if node.node_tree == group:
         return []
     fcurves.make_own(made)
-    tree, before = made.node_tree, nodegroups.inputs(node)
-    kept = {name: _Input(socket) for name, socket in before.items()}
+    tree, before = made.node_tree, _by_present_name(made, node, preset)
+    scaled = {label(preset.model, name): name for name, socket in material.parameter_sockets(made).items()
+              if scale_of(name, socket) is not parameter(name).scale}  # fmt: skip
+    kept = {name: _Input(socket, scaled.get(name, "")) for name, socket in before.items()}
     outputs = [(socket.name, [link.to_socket for link in socket.links]) for socket in node.outputs]
     places = list(node.inputs)
     paths = _paths_to(made, node, {places.index(socket): name for name, socket in before.items()})
@@ -195,10 +221,20 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree) -> list[str]:
     where = {name: socket.path_from_id() for name, socket in after.items()}
     lost = {path.name for path in paths if not path.lead_to(where.get(path.name, ""))}
     lost |= {name for name, one in kept.items() if one.sources and name not in after}
+    for path in paths:
+        if path.name in scaled:
+            path.convert(scaled[path.name])
     for name, targets in outputs:
         for target in targets:
             tree.links.new(node.outputs.get(name) or node.outputs[0], target)
     return [f"{name} has no input any more; what was on it is gone" for name in sorted(lost)]
+
+
+def _by_present_name(made: Material, node: Node, preset: Preset) -> dict[str, NodeSocket]:
+    """The inputs of a model's node by the names that they have in groups of today."""
+    sockets = material.parameter_sockets(made).items()
+    names = {nodegroups.name_of(socket): label(preset.model, name) for name, socket in sockets}
+    return {names.get(name, name): socket for name, socket in nodegroups.inputs(node).items()}
 
 
 def _fill(
@@ -214,19 +250,27 @@ def _fill(
 
 
 class _Input:
-    """An input's value, link and visibility."""
+    """An input's value, link and visibility; ``scaled``: the parameter that it holds as it is, as inputs once did."""
 
-    def __init__(self, socket: NodeSocket) -> None:
+    def __init__(self, socket: NodeSocket, scaled: str) -> None:
         value: Any = getattr(socket, "default_value", None)
+        self.scaled = scaled
         self.kind, self.hidden = socket.type, socket.hide
         self.value = tuple(value) if socket.type in {"RGBA", "VECTOR"} else value
         self.sources = [link.from_socket for link in socket.links]
 
     def give(self, tree: ShaderNodeTree, socket: NodeSocket) -> None:
-        if self.value is not None:
+        if self.scaled:
+            give(self.scaled, socket, float(f"{self.value:.{DIGITS}g}"))  # as a preset's number was, before rounding
+        elif self.value is not None:
             socket.default_value = self.value
         socket.hide = self.hidden
         for source in self.sources:
+            if self.scaled:
+                node = tree.nodes.new("ShaderNodeGroup")
+                node.node_tree = parameters.to_input(self.scaled)
+                tree.links.new(source, node.inputs[0])
+                source = node.outputs[0]  # noqa: PLW2901 - what the input takes now
             tree.links.new(source, socket)
 
 
@@ -274,6 +318,13 @@ class _Path:
         elif self.among is not None:
             self.among.remove(self.owner)
         return bool(place)
+
+    def convert(self, name: str) -> None:
+        """Have the keys of an F-curve give what the input of parameter ``name`` holds."""
+        to_input = parameter(name).scale.to_input
+        for point in getattr(self.owner, "keyframe_points", ()):
+            for place in (point.co, point.handle_left, point.handle_right):
+                place.y = to_input(parameter(name).held(max(place.y, 0.0)))
 
 
 def _paths_to(made: Material, node: Node, names: dict[int, str]) -> list[_Path]:

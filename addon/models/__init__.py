@@ -10,11 +10,11 @@ from importlib import import_module
 from pathlib import Path
 
 from . import estimators, fresnel
-from .spec import Form, Model, Number, Parameter
+from .spec import PLAIN, Form, Model, Number, Parameter, Scale
 
 __all__ = [
-    "DEFAULT", "MODELS", "PARAMETERS", "Form", "Model", "Number", "Parameter", "base_name", "estimators", "fresnel",
-    "parameter",
+    "DEFAULT", "MODELS", "PARAMETERS", "PLAIN", "Form", "Model", "Number", "Parameter", "Scale", "base_name",
+    "estimators", "fresnel", "label", "lobe_of", "parameter", "symbol",
 ]  # fmt: skip
 
 DEFAULT = "cook_torrance"  # of a file that names no model
@@ -32,6 +32,24 @@ PARAMETERS: dict[str, Parameter] = {
     )
     for one in parameters
 }
+
+
+def label(model: str, key: str) -> str:
+    """The input of a parameter in groups of a model: "Roughness" of m, "Lobe 2 Roughness" of m_2."""
+    base = base_name(key)
+    return lobe_of(key) + MODELS[model].labels.get(base, PARAMETERS[base].label)
+
+
+def symbol(key: str) -> str:
+    """What papers call a parameter, and older files its input: "Slope m" of m, "Lobe 2 Slope m" of m_2."""
+    of = parameter(key)
+    return lobe_of(key) + (of.symbol or of.label)
+
+
+def lobe_of(key: str) -> str:
+    """How the names of a lobe's inputs begin; "" of a model's own."""
+    base = base_name(key)
+    return "" if base == key else f"Lobe {key[len(base) + 1 :]} "
 
 
 def base_name(key: str) -> str:

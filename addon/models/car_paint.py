@@ -57,6 +57,7 @@ MODEL = Model(
     parameters=oren_nayar.MODEL.parameters,
     kinds={"f82": fresnel.LABELS["f82"]},
     parts=(("diffuse", "oren_nayar"),),
+    labels={"sigma": "Diffuse Roughness", "f0": "Color"},
     lobes=(SHARE, SLOPE, fresnel.F0, fresnel.F82_TINT),
     lobe_model="cook_torrance",
     most_lobes=4,

@@ -3,11 +3,12 @@
 
 from ..reference import CookTorrance, Smooth
 from . import fresnel
-from .spec import Form, Model, Parameter
+from .spec import Form, Model, Parameter, Scale
 
 SLOPE = Parameter(
-    "m", "Slope m", "RMS slope of the facets; Blender's Roughness is its square root", 0.3, 1e-4, 10.0,
-    unit="rms slope", native_high=1.0, is_roughness=True, zero_is_smooth=True, example="m = 0.3",
+    "m", "Roughness", "Blender's own roughness: the square root of the facets' RMS slope m", 0.3, 1e-4, 10.0,
+    unit="rms slope", subtype="FACTOR", native_high=1.0, is_roughness=True, zero_is_smooth=True, example="m = 0.3",
+    symbol="Slope m", scale=Scale(lambda m: m**0.5, lambda roughness: roughness * roughness),
 )  # fmt: skip
 
 

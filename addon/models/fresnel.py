@@ -15,20 +15,22 @@ if TYPE_CHECKING:
     from .spec import Form
 
 F0 = Parameter(
-    "f0", "F0", "Reflectance at normal incidence, linear RGB", (0.04, 0.04, 0.04), 0.0, 1.0, socket="Color",
+    "f0", "Base Color", "F0: reflectance at normal incidence", (0.04, 0.04, 0.04), 0.0, 1.0, socket="Color",
+    symbol="F0",
 )  # fmt: skip
 F82_TINT = Parameter(
-    "f82_tint", "F82 Tint", "Multiplies Schlick's formula at 82 degrees, near grazing; white changes nothing",
-    (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color",
+    "f82_tint", "Edge Tint", "Multiplies Schlick's formula at 82 degrees, near grazing; white changes nothing",
+    (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color", symbol="F82 Tint",
 )  # fmt: skip
 ETA = Parameter(
     "eta", "IOR", "Refractive index, inside over outside", 1.5, 0.1, 10.0, example="eta = 1.5",
 )  # fmt: skip
 N = Parameter(
-    "n", "n", "Refractive index for R, G and B", (0.27, 0.68, 1.32), 0.0, 20.0, socket="Vector",
+    "n", "IOR", "Refractive index n for R, G and B", (0.27, 0.68, 1.32), 0.0, 20.0, socket="Vector", symbol="n",
 )  # fmt: skip
 K = Parameter(
-    "k", "k", "Extinction coefficient for R, G and B", (3.61, 2.62, 2.29), 0.0, 20.0, socket="Vector",
+    "k", "Extinction", "Extinction coefficient k for R, G and B", (3.61, 2.62, 2.29), 0.0, 20.0, socket="Vector",
+    symbol="k",
 )  # fmt: skip
 
 

@@ -9,7 +9,8 @@ from .cook_torrance import SLOPE
 from .spec import Form, Model, Parameter
 
 TINT = Parameter(
-    "tint", "Tint", "Multiplies the transmitted light", (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color", optional=True,
+    "tint", "Base Color", "Multiplies the transmitted light", (1.0, 1.0, 1.0), 0.0, 1.0, socket="Color", optional=True,
+    symbol="Tint",
 )  # fmt: skip
 ABSORPTION = Parameter(
     "absorption", "Absorption", "Absorption a of red, green and blue light, 1/m; exp(-a d) is left after d metres",

@@ -13,10 +13,23 @@ Number = float | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
+class Scale:
+    """Another number that stands for a parameter in Blender. Both ways take numbers, arrays and values of nodes."""
+
+    to_input: Callable[[Any], Any]
+    of_input: Callable[[Any], Any]
+
+
+PLAIN = Scale(lambda value: value, lambda value: value)
+
+
+@dataclass(frozen=True)
 class Parameter:
     """A parameter of a model, for files, sockets, shaders, the panel and the command line.
 
-    name: in files and the reference. label: in Blender. unit: as people read it; "" if it has none.
+    name: in files and the reference. label: of its input in Blender, as Blender's own nodes call it.
+    symbol: what papers call it, and older files its input; "" if that is the label.
+    scale: what the input holds in place of the parameter itself. unit: as people read it; "" if it has none.
     low, high: its range, for RGB that of each channel. native_high: the limit of Cycles' own closures.
     default: of the socket; three numbers make the parameter RGB.
     socket, subtype: Blender's, for the socket.
@@ -41,13 +54,15 @@ class Parameter:
     in_volume: bool = False
     zero_is_smooth: bool = False
     example: str = ""
+    symbol: str = ""
+    scale: Scale = PLAIN
 
     @property
     def is_rgb(self) -> bool:
         return isinstance(self.default, tuple)
 
-    def socket_value(self, value: Number) -> Number:
-        """``value`` as a socket can hold it: a smooth interface is the least roughness."""
+    def held(self, value: Number) -> Number:
+        """``value`` as an input can hold it: a smooth interface is the least roughness."""
         return max(value, self.low) if self.zero_is_smooth and isinstance(value, float) else value
 
 
@@ -74,7 +89,8 @@ class Model:
     kinds: the forms it has, with their labels; the first is the default. Of ``has_fresnel``: the Fresnel kinds.
     sheets: kinds that are a thin sheet, without an inside.
     flags: what is true or false of a preset; false where the file does not say.
-    parts: name and model of what it is made of. lobes: parameters of one lobe, ``lobe_model`` of it, at most so many.
+    parts: name and model of what it is made of. labels: of inputs that are called otherwise here.
+    lobes: parameters of one lobe, ``lobe_model`` of it, at most so many.
     estimators: those it has, of ``estimators.ESTIMATORS``.
     reference: (form, its parts' references by name) -> the model of the reference.
     flaw: why a preset's numbers do not go together, as the rest of a line; "" if they do.
@@ -96,6 +112,7 @@ class Model:
     has_fresnel: bool = False
     flags: tuple[str, ...] = ()
     parts: tuple[tuple[str, str], ...] = ()
+    labels: Mapping[str, str] = field(default_factory=dict)
     lobes: tuple[Parameter, ...] = ()
     lobe_model: str = ""
     most_lobes: int = 0

@@ -55,6 +55,7 @@ MODEL = Model(
     kinds=fresnel.LABELS,
     flags=("coupled",),
     parts=(("diffuse", "oren_nayar"), ("specular", "cook_torrance")),
+    labels={"sigma": "Diffuse Roughness", "f0": "Specular Color"},
     reference=_reference,
     flaw=_flaw,
     account=_account,

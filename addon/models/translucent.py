@@ -13,14 +13,15 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 REFLECTANCE = Parameter(
-    "reflectance", "Reflectance",
+    "reflectance", "Base Color",
     "Diffuse reflectance: the share of entering light that a large, evenly lit body returns",
-    (0.8, 0.8, 0.8), 0.0, 1.0, socket="Color", example="reflectance = [0.8, 0.7, 0.6]",
+    (0.8, 0.8, 0.8), 0.0, 1.0, socket="Color", example="reflectance = [0.8, 0.7, 0.6]", symbol="Reflectance",
 )  # fmt: skip
 MEAN_FREE_PATH = Parameter(
-    "mean_free_path", "Mean Free Path", "Mean distance between scattering events, in metres, for R, G and B",
+    "mean_free_path", "Subsurface Radius",
+    "Mean free path: distance between scattering events in metres, for R, G and B",
     (1e-3, 1e-3, 1e-3), 0.0, 10.0, unit="m", socket="Vector",
-    example="mean_free_path = [0.001, 0.001, 0.001] (metres)",
+    example="mean_free_path = [0.001, 0.001, 0.001] (metres)", symbol="Mean Free Path",
 )  # fmt: skip
 
 
@@ -42,6 +43,7 @@ MODEL = Model(
     has_fresnel=True,
     kinds=fresnel.LABELS,
     parts=(("specular", "cook_torrance"),),
+    labels={"f0": "Specular Color"},
     estimators=("fit", "closure", "corrected", "hybrid", "mirror"),
     reference=_reference,
     flaw=lambda form: coat.flaw("a translucent body", form),

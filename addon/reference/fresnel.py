@@ -122,6 +122,45 @@ def fresnel_conductor(cos: ArrayLike, n: ArrayLike, k: ArrayLike) -> Floats:
     return np.where(beyond == 0, 0.0, np.minimum(F, 1.0))
 
 
+HIGHEST_HEAD_ON = 0.9999  # reflectance of a conductor, beyond which its n and k have no bounds
+
+
+def head_on_and_edge(n: ArrayLike, k: ArrayLike) -> tuple[Floats, Floats]:
+    """A conductor's reflectance r head-on, and how much g of it goes on towards grazing angles, each channel apart.
+
+    r = ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2), n = g (1 - r) / (1 + r) + (1 - g) (1 + sqrt r) / (1 - sqrt r)
+
+    n, k >= 0, scalar or RGB, not both 0. r, g in [0, 1]; g is 0 where r is, as nothing tells it. Raises ValueError.
+    Source: Gulbrandsen 2014, "Artist Friendly Metallic Fresnel", eqs. 2, 5 and 6, with his edge tint g turned about: 1
+    is the least n of this r.
+    """
+    n, k = as_range(n, "n", 0.0, 1e50), as_range(k, "k", 0.0, 1e50)
+    r = np.minimum(((n - 1.0) ** 2 + k * k) / ((n + 1.0) ** 2 + k * k), HIGHEST_HEAD_ON)
+    least, most = _indices_of(r)
+    return r, np.where(most > least, np.clip((most - n) / np.where(most > least, most - least, 1.0), 0.0, 1.0), 0.0)
+
+
+def conductor_of(r: ArrayLike, g: ArrayLike) -> tuple[Floats, Floats]:
+    """n and k of ``head_on_and_edge``: k^2 = (r (n + 1)^2 - (n - 1)^2) / (1 - r).
+
+    r, g in [0, 1], scalar or RGB, ValueError otherwise; r is held to HIGHEST_HEAD_ON.
+
+    >>> n, k = conductor_of(*head_on_and_edge(0.2, 3.9))
+    >>> round(float(n), 9), round(float(k), 9)
+    (0.2, 3.9)
+    """
+    r, g = np.minimum(as_range(r, "r", 0.0, 1.0), HIGHEST_HEAD_ON), as_range(g, "g", 0.0, 1.0)
+    least, most = _indices_of(r)
+    n = g * least + (1.0 - g) * most
+    return n, np.sqrt(np.maximum((r * (n + 1.0) ** 2 - (n - 1.0) ** 2) / (1.0 - r), 0.0))
+
+
+def _indices_of(r: Floats) -> tuple[Floats, Floats]:
+    """The least and the greatest n that reflect r head-on."""
+    root = np.sqrt(r)
+    return (1.0 - r) / (1.0 + r), (1.0 + root) / (1.0 - root)
+
+
 class Fresnel(Protocol):
     """What a model asks of F: reflectance for v.h of shape (...), as RGB (..., 3)."""
 

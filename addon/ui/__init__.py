@@ -10,17 +10,35 @@ import bpy
 
 from ..blender import colour_update, follow
 from ..library import presets
-from . import course, opened, operators, panels, preferences, properties, thumbnails, watch
+from . import (
+    apply,
+    course,
+    numbers,
+    opened,
+    operators,
+    panels,
+    preferences,
+    properties,
+    shader_editor,
+    textures,
+    thumbnails,
+    watch,
+)
 
+WITH_CLASSES = (preferences, properties, numbers, operators, apply, textures, shader_editor, panels, course)
 _registered = ExitStack()
 
 
 def register() -> None:
     """Called when the extension is switched on; leaves nothing behind if a step fails."""
     with ExitStack() as undo:
-        for kind in (*preferences.CLASSES, *properties.CLASSES, *operators.CLASSES, *panels.CLASSES, *course.CLASSES):
+        for kind in [one for of in WITH_CLASSES for one in of.CLASSES]:
             bpy.utils.register_class(kind)
             undo.callback(bpy.utils.unregister_class, kind)
+        bpy.types.Material.vgroove_numbers = bpy.props.PointerProperty(type=numbers.VGrooveNumbers)
+        undo.callback(delattr, bpy.types.Material, "vgroove_numbers")
+        shader_editor.register()
+        undo.callback(shader_editor.unregister)
         thumbnails.register()
         undo.callback(thumbnails.unregister)
         undo.callback(watch.unregister)

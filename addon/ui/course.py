@@ -13,6 +13,7 @@ from ..blender import course, fcurves, material
 from ..library import presets
 from ..library import writing as preset_files
 from ..library.errors import InputError
+from ..models import label
 from ..reference.keyframes import TOLERANCE, TOLERANCES
 from . import properties
 from .text import lines
@@ -264,7 +265,7 @@ class VGROOVE_PT_course(bpy.types.Panel):
         preset = properties.chosen_preset(context.scene.vgroove)
         if preset.time is not None:
             of = preset.time
-            names = ", ".join(material.socket_name(name) for name in of.laws)
+            names = ", ".join(label(preset.model, name) for name in of.laws)
             span = "its whole duration" if of.unit == "share" else f"{of.start:g} to {of.end:g} {of.unit}"
             lines(layout, f"{preset.name} ({of.kind}) changes over {span}: {names}", context.region.width)
             layout.prop(settings, "play")

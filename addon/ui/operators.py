@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Apply a preset to the selected objects, fix the scene, save presets. Each change of the file is one undo step."""
+"""Change materials of the selected objects, fix the scene, save presets. Each change of the file is one undo step."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from ..blender import facts, material, slots
-from ..blender.rebuild import UNCHANGED, rebuild, reset
+from ..blender import facts, material
+from ..blender.rebuild import rebuild, reset
 from ..choose import advice, automatic
 from ..library import presets
 from ..library import writing as preset_files
 from ..library.errors import InputError
 from ..library.files import replacing
 from . import course, memory, watch
-from .properties import chosen_preset, matching
+from .properties import chosen_preset
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,87 +28,6 @@ if TYPE_CHECKING:
 FILE_PATH = bpy.props.StringProperty(
     name="File Path", description="The preset file", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}
 )
-
-
-class VGROOVE_OT_apply(bpy.types.Operator):
-    """Apply the preset to the active material slot of every selected object."""
-
-    bl_idname = "vgroove.apply"
-    bl_label = "Apply to Selected Objects"
-    bl_description = "Apply the preset to the active material slot of every selected object"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not context.selected_objects:
-            cls.poll_message_set("Select the objects that should get the material")
-            return False
-        if not matching(context.scene.vgroove):
-            cls.poll_message_set("The family or the search lists no preset; choose another or clear the search")
-            return False
-        if context.scene.vgroove.backend == "osl" and not bpy.app.build_options.cycles_osl:
-            cls.poll_message_set("This Blender was built without OSL; choose the backend Nodes")
-            return False
-        return True
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        settings, in_parts = context.scene.vgroove, slots.in_parts(context)
-        refused = [text for item in context.selected_objects if (text := slots.refusal(item))]
-        able = [item for item in context.selected_objects if not slots.refusal(item)]
-        if not able:
-            self.report({"ERROR"}, _in_one_line(refused))
-            return {"CANCELLED"}
-        if in_parts and not slots.parts_selected(context):
-            self.report({"ERROR"}, "Select faces first, or leave Edit Mode")
-            return {"CANCELLED"}
-        try:
-            preset, backend, estimator = chosen_preset(settings), settings.backend, chosen_estimator(context.scene)
-            bound = settings.bound / 100.0
-            play = course.play_of(context.scene) if preset.time and context.scene.vgroove_course.play else None
-            same = {} if in_parts else {item: item.active_material for item in able if _is_of(item, preset)}
-            lost = []
-            for made in dict.fromkeys(same.values()):
-                lost += rebuild(
-                    made, context.scene, backend=backend, estimator=estimator, bound=bound,
-                    play=play if preset.time else UNCHANGED,
-                )  # fmt: skip
-            others = [item for item in able if item not in same]
-            if others:
-                lamps = material.lamps_to_bind(context.scene, estimator, preset.model)
-                new = material.build(preset, material.Choice(backend, estimator, lamps, bound=bound, play=play))
-                if in_parts:
-                    slots.give_to_parts(new, context)
-                else:
-                    slots.apply(new, others)
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        memory.used(preset.id)
-        count = f"{len(able)} object{'s' * (len(able) > 1)}"
-        text = f"{preset.name} ({estimator}, {backend}) applied to {'the selection in ' * in_parts}{count}"
-        if also := [item.name for item in slots.sharing(able) if item not in able]:
-            text += f" and to {', '.join(also)} (same mesh)"
-        left = [
-            slots.refusal(item) for item in context.selected_objects if item.type in slots.TYPES and item not in able
-        ]
-        self.report({"WARNING"} if left or lost else {"INFO"}, ". ".join([text, *lost, *left[:1]]))
-        return {"FINISHED"}
-
-
-def _is_of(item: bpy.types.Object, preset: presets.Preset) -> bool:
-    """Whether an object's active material was built from exactly this preset and can be changed in place."""
-    made = item.active_material
-    if made is None or not material.is_ours(made) or material.locked(made):
-        return False
-    known = material.preset_of(made)
-    wanted = {"id", "name", "model", "kind", "coupled", "parameters"}
-    return all(getattr(known, name) == getattr(preset, name) for name in wanted)
-
-
-def _in_one_line(texts: list[str]) -> str:
-    """The first reason, and how many more there are."""
-    more = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
-    return f"{texts[0]}{more}" if texts else "Nothing is selected"
 
 
 class VGROOVE_OT_update(bpy.types.Operator):
@@ -380,6 +299,12 @@ def ours(context: bpy.types.Context) -> bpy.types.Material | None:
     return made if made and material.is_ours(made) and not material.locked(made) else None
 
 
+def in_one_line(texts: list[str]) -> str:
+    """The first reason, and how many more there are."""
+    more = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
+    return f"{texts[0]}{more}" if texts else "Nothing is selected"
+
+
 def citation(preset: presets.Preset) -> str:
     """One line: what it is, and where its numbers come from."""
     licence = f" ({preset.source['licence']})" if "licence" in preset.source else ""
@@ -420,7 +345,6 @@ def current_problems(shown: bpy.types.Scene | SceneFacts) -> list[advice.Problem
 
 
 CLASSES = (
-    VGROOVE_OT_apply,
     VGROOVE_OT_update,
     VGROOVE_OT_mend,
     VGROOVE_OT_favourite,

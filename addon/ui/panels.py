@@ -6,11 +6,13 @@ from __future__ import annotations
 import bpy
 
 from ...nodegroups import versions
-from ..blender import material
+from ..blender import material, textures
 from ..library import presets
-from . import memory, operators, properties, watch
+from . import memory, numbers, operators, properties, watch
 from .preferences import ROOT
 from .text import lines
+
+MOST_READ = 20  # objects that a redraw looks at
 
 
 class _InSidebar:
@@ -19,7 +21,29 @@ class _InSidebar:
     bl_category = "V-Groove"
 
 
-class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
+class _InShaderEditor:
+    bl_space_type = "NODE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "V-Groove"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        space = context.space_data
+        return space.tree_type == "ShaderNodeTree" and space.shader_type == "OBJECT"
+
+
+class _InProperties:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None
+
+
+class _Picker:
     """Choose a preset and apply it."""
 
     bl_label = "V-Groove Material"
@@ -42,6 +66,8 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
             column.prop(settings, "quality")
         if picked.estimator == "hybrid":
             column.prop(settings, "bound", slider=True)
+        if _replaces_textures(context):
+            column.prop(settings, "keep_textures")
         row = layout.row()
         row.scale_y = 1.4
         row.operator("vgroove.apply", icon="MATERIAL")
@@ -53,11 +79,22 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
             lines(layout, f"Preset skipped: {error}", context.region.width, icon="ERROR")
 
 
-class VGROOVE_PT_parameters(_InSidebar, bpy.types.Panel):
+class VGROOVE_PT_material(_Picker, _InSidebar, bpy.types.Panel):
+    pass
+
+
+class VGROOVE_PT_material_nodes(_Picker, _InShaderEditor, bpy.types.Panel):
+    pass
+
+
+class VGROOVE_PT_material_properties(_Picker, _InProperties, bpy.types.Panel):
+    pass
+
+
+class _Parameters:
     """The parameters of the active object's material."""
 
     bl_label = "Edit Parameters"
-    bl_parent_id = "VGROOVE_PT_material"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -68,18 +105,45 @@ class VGROOVE_PT_parameters(_InSidebar, bpy.types.Panel):
             lines(layout, "Apply a preset to edit its parameters here", context.region.width)
             return
         layout.label(text=made.name, icon="MATERIAL")
-        column = layout.column()
-        sockets = material.parameter_sockets(made).values()
-        if not sockets:
+        if not material.parameter_sockets(made):
             lines(layout, "Its node group was deleted; Reset to Preset restores it", context.region.width)
-        for socket in sockets:
-            if not socket.is_linked:
-                column.prop(socket, "default_value", text=socket.name)
+        numbers.draw(layout.column(), made)
         row = layout.row()
         row.enabled = material.is_edited(made)
         row.operator("vgroove.reset", icon="LOOP_BACK")
+        layout.operator("vgroove.add_image_set", icon="TEXTURE")
         layout.operator("vgroove.update", icon="FILE_REFRESH")
         layout.operator("vgroove.save_preset", icon="FILE_TICK")
+
+
+class VGROOVE_PT_parameters(_Parameters, _InSidebar, bpy.types.Panel):
+    bl_parent_id = "VGROOVE_PT_material"
+
+
+class VGROOVE_PT_parameters_nodes(_Parameters, _InShaderEditor, bpy.types.Panel):
+    bl_parent_id = "VGROOVE_PT_material_nodes"
+
+
+class VGROOVE_PT_parameters_properties(_Parameters, _InProperties, bpy.types.Panel):
+    bl_parent_id = "VGROOVE_PT_material_properties"
+
+
+class VGROOVE_PT_published(_InSidebar, bpy.types.Panel):
+    """The parameters that papers give, where the inputs hold others."""
+
+    bl_label = "As Published"
+    bl_parent_id = "VGROOVE_PT_parameters"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        made = operators.ours(context)
+        return made is not None and numbers.is_published(made)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        numbers.draw_published(self.layout.column(), operators.ours(context))
 
 
 class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
@@ -128,6 +192,12 @@ class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
                 box.operator("vgroove.mend", text=problem.button).key = problem.key
 
 
+def _replaces_textures(context: bpy.types.Context) -> bool:
+    """Whether something selected has textures."""
+    items = context.selected_objects[:MOST_READ]
+    return any(textures.read(one) for one in {item.active_material for item in items})
+
+
 def _shows_estimators(settings: bpy.types.PropertyGroup) -> bool:
     """If the preferences say so, or the file uses an estimator that is no quality of its own."""
     preferences = memory.preferences()
@@ -161,4 +231,14 @@ def listing(settings: bpy.types.PropertyGroup, count: int) -> str:
     return "" if count else "No presets here yet. Choose another family"
 
 
-CLASSES = (VGROOVE_PT_material, VGROOVE_PT_advice, VGROOVE_PT_parameters, VGROOVE_PT_source)
+CLASSES = (
+    VGROOVE_PT_material,
+    VGROOVE_PT_material_nodes,
+    VGROOVE_PT_material_properties,
+    VGROOVE_PT_advice,
+    VGROOVE_PT_parameters,
+    VGROOVE_PT_parameters_nodes,
+    VGROOVE_PT_parameters_properties,
+    VGROOVE_PT_published,
+    VGROOVE_PT_source,
+)

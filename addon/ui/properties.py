@@ -18,7 +18,7 @@ BACKENDS = (
     (
         "nodes",
         "Nodes",
-        "Shader nodes, for every device. EEVEE always shows Closure",
+        "Shader nodes, for every device",
         "NODETREE",
         0,
     ),
@@ -178,6 +178,11 @@ class VGrooveSettings(bpy.types.PropertyGroup):
     backend: bpy.props.EnumProperty(name="Backend", description="Shader nodes or OSL", items=BACKENDS, default="nodes")
     estimator: bpy.props.EnumProperty(
         name="Estimator", description="How Cycles renders the model", items=ESTIMATORS, default="auto"
+    )
+    keep_textures: bpy.props.BoolProperty(
+        name="Keep Textures",
+        description="The new material takes the image textures, bump and displacement of the one that it replaces",
+        default=True,
     )
     quality: bpy.props.EnumProperty(
         name="Quality",

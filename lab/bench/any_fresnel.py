@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...addon import models
 from ...nodegroups import cook_torrance_closure as closure
 from ...nodegroups import fresnel, osl_script
 from ...nodegroups._tree import Value, select
+from ...nodegroups.parameters import add_input
 from .universal_data import NAME, REVISION
 
 if TYPE_CHECKING:
@@ -33,7 +35,9 @@ class AnyFresnel:
         self._osl = osl  # there the scripts have the switch
 
     def interface(self, tree: Tree) -> dict[str, Value]:
-        f82, dielectric, conductor = (self.KINDS[kind].interface(tree) for kind in ("f82", "dielectric", "conductor"))
+        f82, dielectric = (self.KINDS[kind].interface(tree) for kind in ("f82", "dielectric"))
+        terms = models.fresnel.KINDS["conductor"].parameters  # both indices are called IOR
+        conductor = {one.name: add_input(tree, replace(one, label=one.symbol)) for one in terms}
         kind = {} if self._osl else {"kind": _kind_input(tree)}
         return f82 | dielectric | conductor | kind
 

@@ -179,7 +179,7 @@ def drive(made: Material, what: str, make: Callable[[ShaderNodeTree], NodeSocket
     tree = made.node_tree
     for socket in _inputs(tree, what):
         source = make(tree)
-        if socket.name == "Roughness":
+        if what == "slope":  # which inputs take as its square root
             root = tree.nodes.new("ShaderNodeMath")
             root.operation = "SQRT"
             tree.links.new(source, root.inputs[0])
@@ -188,7 +188,7 @@ def drive(made: Material, what: str, make: Callable[[ShaderNodeTree], NodeSocket
 
 
 def _inputs(tree: ShaderNodeTree, what: str) -> list[NodeSocket]:
-    wanted = {"normal": ("Normal",), "colour": ("F0", "Base Color", "Color"), "slope": ("Slope m", "Roughness")}[what]
+    wanted = {"normal": ("Normal",), "colour": ("Base Color", "Color"), "slope": ("Roughness",)}[what]
     ours = [node for node in tree.nodes if node.bl_idname == "ShaderNodeGroup" and "Normal" in node.inputs]
     natives = [node for node in tree.nodes if node.bl_idname.startswith("ShaderNodeBsdf")]
     found = [next(node.inputs[name] for name in wanted if name in node.inputs) for node in ours or natives]

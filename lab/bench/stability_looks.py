@@ -12,6 +12,7 @@ import numpy as np
 
 from ... import headless
 from ...addon.blender import gonio
+from ...addon.blender.inputs import scale_of
 from ...addon.blender.material import NATIVE, Choice, build, parameter_sockets
 from ...addon.choose import advice
 from ...addon.choose.advice import FEWEST_BOUNCES, FEWEST_RAYS, LIGHTEST
@@ -250,7 +251,8 @@ def out_of_range(name: str, usual: Callable[[], Preset], value: float, setup: Se
     made = build(of, Choice(setup.backend, "mirror"))
     socket = parameter_sockets(made)[name]
     kept = tuple(socket.default_value) if socket.type == "RGBA" else socket.default_value
-    socket.default_value = (value, value, value, 1.0) if socket.type == "RGBA" else value
+    held = scale_of(name, socket).to_input(value)
+    socket.default_value = (held, held, held, 1.0) if socket.type == "RGBA" else held
     with headless.quiet():
         image = gonio.measure(made, SKY, samples=SAMPLES, shading_osl=setup.shading_osl)
     socket.default_value = kept

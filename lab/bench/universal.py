@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 from ... import nodegroups
 from ...addon.blender import lamps as lamp_binding
 from ...addon.blender.material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
-from ...addon.models import base_name
+from ...addon.models import base_name, label, parameter, symbol
 from ...nodegroups import absorption, cook_torrance, cook_torrance_albedo, lamp, ramp, shading_normal, versions
 from ...nodegroups._tree import Value, output
 from ...nodegroups.lamp_beams import beam_interfaces
@@ -168,11 +168,15 @@ class _Universal:
             self._read[name] = _parameter(self.tree, name)
         return self._read[name]
 
+    def _inputs(self, model: str, *names: str, of: str = "") -> dict[str, Value]:
+        """Parameters, of the lobe that ``of`` names, for the inputs of a model's group."""
+        return {label(model, name): parameter(name).scale.to_input(self.parameter(name + of)) for name in names}
+
     # Parts
 
     def _diffuse(self) -> list[NodeSocket]:
         d = self.parameter("d") * self._left()
-        inputs = {"Base Color": self.parameter("albedo"), "Sigma": self.parameter("sigma")}
+        inputs = self._inputs("oren_nayar", "albedo", "sigma")
         module, qualitative = BUILDERS["oren_nayar"][self.form.estimator], self.switch("qualitative")
         if self.form.backend == "osl":
             group = self._ensure(module, "Oren-Nayar", by_data(partial(module.build_osl, kind="full"), "kind"))
@@ -192,8 +196,8 @@ class _Universal:
 
     def _specular(self) -> list[NodeSocket]:
         module = BUILDERS["cook_torrance"][self.form.estimator]
-        inputs = {"F0": "f0", "F82 Tint": "f82_tint", "IOR": "eta", "n": "n", "k": "k", "Slope m": "m"}
-        values = {label: self.parameter(name) for label, name in inputs.items()}
+        values = self._inputs("cook_torrance", "f0", "f82_tint", "eta", "m")
+        values |= {symbol(name): self.parameter(name) for name in "nk"}
         osl = self.form.backend == "osl"
         with any_kind(osl=osl):
             make = by_data(partial(module.build_osl, kind=ANY), "kind") if osl else partial(module.build, kind=ANY)
@@ -204,15 +208,14 @@ class _Universal:
         module = BUILDERS["cook_torrance"][self.form.estimator]
         make = module.build_osl if self.form.backend == "osl" else module.build
         group = self._ensure(module, "F82", partial(make, kind="f82"))
-        labels = {"F0": "f0", "F82 Tint": "f82_tint", "Slope m": "m"}
         return [
-            self._use(group, self.parameter(f"s_{k}"), {of: self.parameter(f"{n}_{k}") for of, n in labels.items()})
+            self._use(group, self.parameter(f"s_{k}"), self._inputs("cook_torrance", "f0", "f82_tint", "m", of=f"_{k}"))
             for k in range(2, LOBES + 1)
         ]
 
     def _transmission(self) -> list[NodeSocket]:
         module, glass = BUILDERS["glass"][self.form.glass], self.switch("glass")
-        inputs = {"IOR": self.parameter("eta"), "Slope m": self.parameter("m"), "Tint": self.parameter("tint")}
+        inputs = self._inputs("glass", "eta", "m", "tint")
         thin, smooth = self.switch("thin"), self.switch("smooth")
         found = []
         if self.form.backend == "osl" and self.form.glass == "mirror":
@@ -308,7 +311,7 @@ def with_time(made: Material) -> Material:
         for name in sockets:
             known = universal_name(name)
             make = tree.output_color if isinstance(NEUTRAL[base_name(known)], tuple) else tree.output_float
-            make(name, _parameter(tree, known), tip="At the object's age")
+            make(name, parameter(name).scale.to_input(_parameter(tree, known)), tip="At the object's age")
 
     node = _group_node(copy.node_tree, nodegroups.make(f"{NAME} Time", REVISION, outputs), NAME)
     for name, socket in sockets.items():

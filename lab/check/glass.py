@@ -15,6 +15,7 @@ import numpy as np
 
 from ... import headless, nodegroups
 from ...addon.blender import gonio
+from ...addon.blender.inputs import give
 from ...addon.reference import Glass, glass_btdf, reflect, smith_g, vgroove_g1
 from ...addon.reference.directions import dot
 from ...addon.reference.glass import pane, refraction_facet, transmitted_g
@@ -63,9 +64,9 @@ def probe(
     tree = made.node_tree
     node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
     node.node_tree = group
-    node.inputs["IOR"].default_value, node.inputs["Tint"].default_value = eta, (*tint, 1.0)
+    node.inputs["IOR"].default_value, node.inputs["Base Color"].default_value = eta, (*tint, 1.0)
     if m > 0:
-        node.inputs["Slope m"].default_value = m
+        give("m", node.inputs["Roughness"], m)
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     made.cycles.use_bump_map_correction = estimator != "mirror"  # it would bend the sampled facets
     return made

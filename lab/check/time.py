@@ -18,6 +18,7 @@ from ...addon.blender import course, gonio
 from ...addon.blender.course import Play
 from ...addon.library.presets import Preset, find
 from ...addon.library.timeline import plain
+from ...addon.models import parameter
 from ...addon.reference import OrenNayar, Sum, albedo, rendered
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.quadrature import diffuse_albedo
@@ -64,9 +65,9 @@ def moments(preset: Preset, play: Play, count: int = MOMENTS) -> list[float]:
 
 
 def at_frame(preset: Preset, play: Play, frame: float) -> Preset:
-    """The material that Blender shows at a frame: the keys' straight interpolation."""
+    """The material that Blender shows at a frame: its inputs go straight from key to key."""
     age = np.clip((frame - play.start) / play.length, 0.0, 1.0)
-    now = {name: plain(of.law()(age)) for name, of in _keys(preset.id).items()}
+    now = {name: plain(parameter(name).scale.of_input(of.law()(age))) for name, of in _keys(preset.id).items()}
     return replace(preset, parameters=preset.parameters | now, time=None)
 
 

@@ -13,7 +13,7 @@ from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from ...addon.library.files import FileError, read_text, write_text
-from ...addon.models import MODELS, fresnel
+from ...addon.models import MODELS, fresnel, label
 from ..bench.record import ReportError
 from ..bench.scene_table import SCENES
 from . import automatic, published, summary
@@ -262,11 +262,11 @@ def _fit_time(scene: str) -> Callable[[Published], str]:
     return shown
 
 
-def _parameters(rows: Iterable[tuple[str, Parameter]], first: str) -> str:
-    """Parameters as specs have them."""
-    columns = [first, "in the file", "in Blender", "range", "unit", "what it is"]
+def _parameters(rows: Iterable[tuple[str, Parameter, str]], first: str) -> str:
+    """Parameters as specs have them, and the labels of their inputs."""
+    columns = [first, "in the file", "in Blender", "range", "unit", "what Blender says of it"]
     texts = [
-        [name, f"`{one.name}`", one.label, f"{one.low:g} to {one.high:.4g}", one.unit, one.tip] for name, one in rows
+        [name, f"`{one.name}`", label, f"{one.low:g} to {one.high:.4g}", one.unit, one.tip] for name, one, label in rows
     ]
     return _markdown(columns, texts)
 
@@ -274,7 +274,7 @@ def _parameters(rows: Iterable[tuple[str, Parameter]], first: str) -> str:
 def _models(_found: Published) -> str:
     """Own parameters of every model, those of its lobes too."""
     rows = [
-        (f"`{model.name}`", one)
+        (f"`{model.name}`", one, label(model.name, one.name))
         for model in MODELS.values()
         for one in dict.fromkeys((*model.parameters, *model.lobes))
     ]
@@ -282,7 +282,7 @@ def _models(_found: Published) -> str:
 
 
 def _fresnel(_found: Published) -> str:
-    return _parameters([(of.label, one) for of in fresnel.KINDS.values() for one in of.parameters], "term")
+    return _parameters([(of.label, one, one.label) for of in fresnel.KINDS.values() for one in of.parameters], "term")
 
 
 FIGURES: dict[str, Callable[[Published], str]] = {

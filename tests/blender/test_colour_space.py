@@ -296,7 +296,7 @@ def test_a_file_of_older_versions_is_mended_when_opened(blender, tmp_path, space
     assert_is(made, preset)
     (node,) = (node for node in made.node_tree.nodes if node.bl_idname == "ShaderNodeGroup")
     there = colour_space.to_space(preset.parameters, colour_space.matrix())
-    np.testing.assert_allclose(node.inputs["n"].default_value, there["n"], rtol=1e-6)
+    np.testing.assert_allclose(node.inputs["IOR"].default_value, there["n"], rtol=1e-6)
 
 
 # Courses

@@ -435,7 +435,7 @@ def test_a_lamp_of_no_size_draws_nothing_at_random(blender):
         node = next(node for node in made.node_tree.nodes if node.label.startswith("Light 1"))
         assert not {"Stream", "Radius", "Angle", "Soft Falloff"} & set(node.inputs.keys())
         (light,) = (inner for inner in node.node_tree.nodes if inner.bl_idname == "ShaderNodeGroup")
-        assert not any(inner.label.startswith("VGroove Random") for inner in light.node_tree.nodes)
+        assert not any(inner.label.startswith(".VGroove Random") for inner in light.node_tree.nodes)
         setattr(item.data, "angle" if kind == "SUN" else "shadow_soft_size", 0.2)
         sized = material.build(
             materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct"))

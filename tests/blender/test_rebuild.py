@@ -5,10 +5,11 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from vgroove import headless, nodegroups
-from vgroove.addon.blender import course, material, origin, roles
+from vgroove.addon.blender import course, fcurves, material, origin, roles
 from vgroove.addon.blender.course import Play
 from vgroove.addon.blender.material import Choice, MaterialError, build
 from vgroove.addon.blender.rebuild import rebuild, reset
@@ -58,12 +59,12 @@ def test_another_estimator_keeps_what_an_artist_made(blender, stage):
     node = model(made)
     node.name, node.label, node.location = "Paint", "The artist's own words", (7.0, 8.0)
     socket(made, "Base Color").default_value = (0.1, 0.2, 0.3, 1.0)
-    noise = textured(made, "Lobe 1 Slope m")
-    curved = socket(made, "Lobe 2 Slope m")
+    noise = textured(made, "Lobe 1 Roughness")
+    curved = socket(made, "Lobe 2 Roughness")
     for frame, value in ((1, 0.2), (11, 0.4)):
         curved.default_value = value
         curved.keyframe_insert("default_value", frame=frame)
-    driver = socket(made, "Lobe 3 Slope m").driver_add("default_value").driver
+    driver = socket(made, "Lobe 3 Roughness").driver_add("default_value").driver
     driver.expression = "0.25"
     empty = blender.data.objects.new("Reader", None)
     stage.collection.objects.link(empty)
@@ -85,12 +86,12 @@ def test_another_estimator_keeps_what_an_artist_made(blender, stage):
             (7, 8),
         )
         assert tuple(socket(made, "Base Color").default_value)[:3] == pytest.approx((0.1, 0.2, 0.3))
-        assert socket(made, "Lobe 1 Slope m").links[0].from_node == noise
+        assert socket(made, "Lobe 1 Roughness").links[0].from_node == noise
         (curve, *rest) = material.curves(made)
         assert not rest
-        assert curve.data_path == socket(made, "Lobe 2 Slope m").path_from_id("default_value")
+        assert curve.data_path == socket(made, "Lobe 2 Roughness").path_from_id("default_value")
         driven = [one.data_path for one in made.node_tree.animation_data.drivers]
-        assert socket(made, "Lobe 3 Slope m").path_from_id("default_value") in driven
+        assert socket(made, "Lobe 3 Roughness").path_from_id("default_value") in driven
         path = f"node_tree.{socket(made, 'Lobe 2 Specular').path_from_id('default_value')}"
         assert variable.targets[0].data_path == path
         assert mix.inputs[1].links[0].from_node == model(made)
@@ -149,24 +150,24 @@ def test_copies_that_share_an_action_are_rebuilt_one_by_one(blender, stage):
     """Places that move in one material's curves leave the other's where they are."""
     plastic = presets.find("plastics/red_plastic")
     made = build(plastic, Choice("nodes", "fit"))
-    socket(made, "Slope m").keyframe_insert("default_value", frame=1)
+    socket(made, "Roughness").keyframe_insert("default_value", frame=1)
     other = made.copy()
     rebuild(other, stage, estimator="hybrid")
     for one in (made, other):
         (curve,) = material.curves(one)
-        assert curve.data_path == socket(one, "Slope m").path_from_id("default_value")
+        assert curve.data_path == socket(one, "Roughness").path_from_id("default_value")
 
 
 def test_inputs_that_an_artist_renamed_are_found(blender, stage):
     """Sockets go by their identifiers; a new material gets a group of the names that it should have."""
     made = build(COPPER, Choice("nodes", "fit"))
-    item = next(one for one in model(made).node_tree.interface.items_tree if one.name == "Slope m")
+    item = next(one for one in model(made).node_tree.interface.items_tree if one.name == "Roughness")
     item.name = "Roughness"
     material.parameter_sockets(made)["m"].default_value = 0.7
     rebuild(made, stage, estimator="mirror")
     assert material.parameter_sockets(made)["m"].default_value == pytest.approx(0.7)
     new = build(COPPER, Choice("nodes", "fit"))
-    assert model(new).inputs["Slope m"].default_value == pytest.approx(COPPER.m)
+    assert model(new).inputs["Roughness"].default_value == pytest.approx(COPPER.m**0.5)
 
 
 # Roles
@@ -177,7 +178,7 @@ def test_nodes_are_known_by_their_roles_not_their_labels(blender, stage):
     preset = replace(COPPER, name="Lamp Black")
     made = build(preset, Choice("nodes", "corrected", material.lamps_to_bind(stage, "corrected")))
     group = blender.data.node_groups.new("The artist's own", "ShaderNodeTree")
-    for name in ("Slope m", "F0", "Age", "Rate", "Offset"):
+    for name in ("Roughness", "Base Color", "Age", "Rate", "Offset"):
         group.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketFloat")
     for _ in range(2):
         node = made.node_tree.nodes.new("ShaderNodeGroup")
@@ -185,10 +186,10 @@ def test_nodes_are_known_by_their_roles_not_their_labels(blender, stage):
     assert material.origin_of(made).preset.m == pytest.approx(COPPER.m)
     assert {one.node for one in material.parameter_sockets(made).values()} == {model(made)}
     assert course.trajectory_node(made) is None
-    material.parameter_sockets(made)["m"].default_value = 0.9
+    material.parameter_sockets(made)["m"].default_value = 0.95
     reset(made, stage)
     assert material.origin_of(made).preset.m == pytest.approx(COPPER.m)
-    assert node.inputs["Slope m"].default_value == 0.0
+    assert node.inputs["Roughness"].default_value == 0.0
 
 
 def test_a_deleted_group_comes_back(blender, stage):
@@ -212,15 +213,15 @@ def test_a_deleted_group_comes_back(blender, stage):
 def test_reset_gives_the_numbers_back_and_keeps_the_rest(blender, stage):
     """What else drives an input is told."""
     made = build(COPPER, Choice("nodes", "fit"))
-    noise = textured(made, "F0")
-    socket(made, "Slope m").default_value = 0.9
-    assert reset(made, stage) == ["F0 keeps what is linked to it"]
-    assert socket(made, "Slope m").default_value == pytest.approx(COPPER.m)
-    assert socket(made, "F0").links[0].from_node == noise
+    noise = textured(made, "Base Color")
+    socket(made, "Roughness").default_value = 0.9
+    assert reset(made, stage) == ["Base Color keeps what is linked to it"]
+    assert socket(made, "Roughness").default_value == pytest.approx(COPPER.m**0.5)
+    assert socket(made, "Base Color").links[0].from_node == noise
     made.node_tree.nodes.remove(noise)
     assert not material.is_edited(made)
-    socket(made, "Slope m").keyframe_insert("default_value", frame=1)
-    assert reset(made, stage) == ["Slope m keeps its keys"]
+    socket(made, "Roughness").keyframe_insert("default_value", frame=1)
+    assert reset(made, stage) == ["Roughness keeps its keys"]
 
 
 # What it was built from
@@ -295,10 +296,32 @@ def test_files_of_format_1_are_edited_and_upgraded(format_1):
         assert json.loads(made[roles.KEY])["format"] == origin.FORMAT
         after = material.origin_of(made)
         assert (after.backend, after.estimator, after.bound) == (before.backend, before.estimator, before.bound)
-        assert after.preset.parameters == before.preset.parameters
+        assert after.preset.parameters.keys() == before.preset.parameters.keys()
+        for name, value in before.preset.parameters.items():  # its input may hold it on another scale now
+            np.testing.assert_allclose(after.preset.parameters[name], value, rtol=1e-6)
         assert material.is_edited(made) == edited or made.name.startswith(("curves", "age"))  # by a coarser tolerance
         assert material.plays(made) == made.name.startswith(("curves", "age"))
     mixed = format_1["textured and mixed"]
-    assert socket(mixed, "F0").links[0].from_node.bl_idname == "ShaderNodeTexNoise"
+    assert socket(mixed, "Base Color").links[0].from_node.bl_idname == "ShaderNodeTexNoise"
     assert roles.node(mixed, roles.OUTPUT).inputs["Surface"].links[0].from_node.bl_idname == "ShaderNodeMixShader"
     assert len(format_1) == 23
+
+
+def test_what_older_files_give_a_slope_is_turned_into_a_roughness(format_1):
+    """A texture by a group in between, keys one by one: the same slope as before."""
+    import bpy
+
+    made, keyed = format_1["copper nodes fit"], format_1["copper nodes closure"]
+    noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
+    made.node_tree.links.new(noise.outputs[0], model(made).inputs["Slope m"])
+    for frame, m in ((1, 0.09), (11, 0.36)):
+        model(keyed).inputs["Slope m"].default_value = m
+        model(keyed).inputs["Slope m"].keyframe_insert("default_value", frame=frame)
+    for one in (made, keyed):
+        assert rebuild(one, bpy.context.scene) == []
+    between = socket(made, "Roughness").links[0].from_node
+    assert between.inputs["Slope m"].links[0].from_node == noise
+    root = between.node_tree.nodes["Group Output"].inputs["Roughness"].links[0].from_node
+    assert (root.bl_idname, root.operation) == ("ShaderNodeMath", "SQRT")
+    (curve,) = fcurves.channelbag(keyed).fcurves
+    assert [point.co.y for point in curve.keyframe_points] == pytest.approx([0.3, 0.6])

@@ -172,7 +172,7 @@ def test_a_lamp_added_after_a_material_is_said_and_bound_anew(stage, estimator):
     bind = lamps_to_bind(stage, estimator)
     ball = with_ball(stage, material.build(preset, material.Choice("nodes", estimator, bind, bound=0.01)))
     node = next(n for n in ball.active_material.node_tree.nodes if n.label == preset.name)
-    node.inputs["Slope m"].default_value = 0.4
+    node.inputs["Roughness"].default_value = 0.4
 
     def stale():
         return [p for p in advice.problems_with(stage, preset, "nodes", estimator) if p.key.startswith("stale")]
@@ -199,11 +199,11 @@ def test_what_is_linked_to_a_material_is_not_lost_by_a_button(stage):
     with_ball(stage, made)
     node = roles.node(made, roles.MODEL)
     noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
-    made.node_tree.links.new(noise.outputs[0], node.inputs["Slope m"])
+    made.node_tree.links.new(noise.outputs[0], node.inputs["Roughness"])
     add_lamp(stage, "Late")
     (problem,) = (p for p in advice.problems_with(stage, preset, "nodes", "mirror") if p.key.startswith("stale"))
     problem.fix()
-    assert node.inputs["Slope m"].links[0].from_node == noise
+    assert node.inputs["Roughness"].links[0].from_node == noise
     assert material.bound_slots(made) == {"POINT 1"}
 
 

@@ -106,14 +106,14 @@ def test_each_lobe_shows_its_inputs_in_a_panel_of_its_own(blender):
     bound = material.lamps_to_bind(blender.context.scene, "direct")
     made = material.build(preset(), material.Choice("nodes", "direct", bound))
     node = next(node for node in made.node_tree.nodes if node.type == "GROUP" and car_paint.NAME in node.node_tree.name)
-    lobe = ("Specular", "F0", "F82 Tint", "Slope m")
-    names = {"Base Color", "Sigma", "Normal", "To Lamp 1", "Irradiance 1"}
+    lobe = ("Specular", "Color", "Edge Tint", "Roughness")
+    names = {"Base Color", "Diffuse Roughness", "Normal", "To Lamp 1", "Irradiance 1"}
     names |= {f"Lobe {k} {name}" for k in (1, 2) for name in lobe}
     assert {socket.name for socket in node.inputs} == names
     assert len(node.inputs) == len(names)
     panels = {item.name: item.parent.name for item in node.node_tree.interface.items_tree if item.item_type == "SOCKET"}
     assert {panels[f"Lobe 2 {name}"] for name in lobe} == {"Lobe 2"}
-    assert node.inputs["Lobe 2 Slope m"].default_value == pytest.approx(0.2)
+    assert node.inputs["Lobe 2 Roughness"].default_value == pytest.approx(0.2**0.5)
     read = material.origin_of(made).preset.parameters
     assert read == {key: pytest.approx(value) for key, value in preset().parameters.items()}
 

@@ -10,6 +10,7 @@ from scipy import stats
 from vgroove import headless, nodegroups
 from vgroove.addon.blender import gonio, material
 from vgroove.addon.library.presets import parse
+from vgroove.addon.models import MODELS
 from vgroove.addon.reference import fresnel_dielectric
 from vgroove.addon.reference.glass import pane
 from vgroove.lab.check.glass import NOISY_ROWS, SLOPES, furnace_row, measure_probe, plan, probe, sun_row
@@ -212,14 +213,16 @@ def test_glass_shaders_have_the_groups_ranges_and_defaults(blender, module, tmp_
     parameters = {p.name: p for p in oslquery.OSLQuery(str(tmp_path / f"{shader}.oso")).parameters}
     group = nodegroups.ensure(module.NAME, module.REVISION, module.build_osl)
     sockets = {item.name: item for item in group.interface.items_tree if item.in_out == "INPUT"}
-    for label, parameter in (("IOR", "eta"), ("Slope m", "m"), ("Tint", "tint")):
-        found, item = parameters[parameter], sockets[label]
+    for key in ("eta", "m", "tint"):
+        one = MODELS["glass"].parameter(key)
+        found, item, of_input = parameters[key], sockets[one.label], one.scale.of_input
         metadata = {meta.name: meta.value for meta in found.metadata}
         given = np.ravel(found.value)[:3]
-        np.testing.assert_allclose(np.ravel(item.default_value)[: len(given)], given, rtol=1e-6)
-        assert metadata["label"] == label
+        np.testing.assert_allclose(of_input(np.ravel(item.default_value)[: len(given)]), given, rtol=1e-6)
+        assert metadata["label"] == (one.symbol or one.label)
         if item.socket_type == "NodeSocketFloat":
-            assert (metadata["min"], metadata["max"]) == pytest.approx((item.min_value, item.max_value))
+            ends = [of_input(end) for end in (item.min_value, item.max_value)]
+            assert [metadata["min"], metadata["max"]] == pytest.approx(ends)
 
 
 AMBER = 'name = "Amber"\nmodel = "glass"\nm = 0.0\neta = 1.5\nabsorption = [0.5, 2.0, 6.0]\n[source]\ndata = "test"\n'

@@ -9,6 +9,7 @@ import pytest
 from vgroove import headless, nodegroups
 from vgroove.addon.blender import gonio
 from vgroove.addon.blender.material import BUILDERS
+from vgroove.addon.models.oren_nayar import ALBEDO, SIGMA
 from vgroove.addon.reference import oren_nayar as reference
 from vgroove.addon.reference import oren_nayar_fit as reference_fit
 from vgroove.addon.reference import spherical
@@ -288,15 +289,15 @@ def sockets_of(group):
 
 
 def test_sockets_are_the_same_in_both_backends_and_explained(blender):
-    """Base Color, Sigma as an angle from 0 to 90 degrees, Normal, then lamps; each with a tooltip."""
+    """Base Color, Roughness from 0 to 1, Normal, then lamps; each with a tooltip."""
     made = all_groups()
     for title, group in made.items():
         sockets = sockets_of(group)
         assert all(item.description for item in sockets), title
-        assert [item.name for item in sockets if item.in_out == "INPUT"][:3] == ["Base Color", "Sigma", "Normal"]
-        sigma = group.interface.items_tree["Sigma"]
-        assert sigma.subtype == "ANGLE"
-        assert (sigma.min_value, sigma.max_value) == (0.0, pytest.approx(np.pi / 2))
+        assert [item.name for item in sockets if item.in_out == "INPUT"][:3] == ["Base Color", "Roughness", "Normal"]
+        roughness = group.interface.items_tree["Roughness"]
+        assert roughness.subtype == "FACTOR"
+        assert (roughness.min_value, roughness.max_value) == (0.0, pytest.approx(1.0))
         if title.endswith(" build"):
             twin = sockets_of(made[f"{title}_osl"])
             assert [(i.name, i.socket_type, i.description) for i in sockets] == [
@@ -331,10 +332,11 @@ def test_every_shader_compiles_and_has_the_ranges_of_its_group(blender, module, 
     parameters = {p.name: p for p in oslquery.OSLQuery(str(tmp_path / f"{shader}.oso")).parameters}
     more = {} if module in UNLAMPED else {"lamps": 0}
     group = nodegroups.ensure(shader, 1, partial(module.build_osl, kind="full", **more))
-    for label, parameter in (("Base Color", parameters["albedo"]), ("Sigma", parameters["sigma"])):
+    for one, parameter in ((ALBEDO, parameters["albedo"]), (SIGMA, parameters["sigma"])):
         given, metadata = np.ravel(parameter.value)[:3], {meta.name: meta.value for meta in parameter.metadata}
-        item = group.interface.items_tree[label]
-        np.testing.assert_allclose(np.ravel(item.default_value)[: len(given)], given, rtol=1e-6)
-        assert metadata["label"] == label
-        if label == "Sigma":
-            assert (metadata["min"], metadata["max"]) == pytest.approx((item.min_value, item.max_value))
+        item, of_input = group.interface.items_tree[one.label], one.scale.of_input
+        np.testing.assert_allclose(of_input(np.ravel(item.default_value)[: len(given)]), given, rtol=1e-6)
+        assert metadata["label"] == (one.symbol or one.label)
+        if one is SIGMA:
+            ends = [of_input(end) for end in (item.min_value, item.max_value)]
+            assert [metadata["min"], metadata["max"]] == pytest.approx(ends)

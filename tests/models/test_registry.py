@@ -11,7 +11,7 @@ from vgroove.addon.blender import gonio, material
 from vgroove.addon.blender.material import Choice, build, lamps_to_bind
 from vgroove.addon.choose import automatic
 from vgroove.addon.library import presets, writing
-from vgroove.addon.models import MODELS, PARAMETERS, estimators, fresnel, parameter
+from vgroove.addon.models import MODELS, PARAMETERS, estimators, fresnel, label, parameter
 from vgroove.addon.reference import albedo, rendered, spherical
 from vgroove.lab.check import plan
 from vgroove.lab.sidak import chance
@@ -137,7 +137,7 @@ def test_the_head_of_a_shader_has_every_parameter(name, native):
     """As its sockets have them, but for what belongs to the body."""
     head = osl_script.PARAMETERS[f"{name}{'_native' * native}_parameters.h"]
     for one in MODELS[name].parameters:
-        assert (f'label = "{one.label}"' in head) != one.in_volume
+        assert (f'label = "{one.symbol or one.label}"' in head) != one.in_volume
 
 
 # In Blender: the first kind of each model, and the others with `make test-all`
@@ -185,7 +185,7 @@ def test_sockets_have_the_specs_ranges_and_tips(instrument, preset):
         group = material.group_of(preset, Choice("nodes", estimator))
         items = {item.name: item for item in group.interface.items_tree if item.item_type == "SOCKET"}
         for key in preset.parameters:
-            one, item = parameter(key), items.get(material.socket_name(key))
+            one, item = parameter(key), items.get(label(preset.model, key))
             if item is None:
                 assert one.in_volume
                 continue
@@ -193,8 +193,8 @@ def test_sockets_have_the_specs_ranges_and_tips(instrument, preset):
             assert item.socket_type == f"NodeSocket{one.socket}"
             if one.socket == "Float":
                 high = {one.high, one.native_high}
-                assert item.min_value == pytest.approx(one.low)
-                assert any(item.max_value == pytest.approx(of) for of in high if of is not None)
+                assert one.scale.of_input(item.min_value) == pytest.approx(one.low)
+                assert any(one.scale.of_input(item.max_value) == pytest.approx(of) for of in high if of is not None)
 
 
 @pytest.mark.blender

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from vgroove.addon.blender import material
+from vgroove.addon.blender.inputs import value_of
 from vgroove.addon.library.presets import PresetError, find, parse
 from vgroove.addon.reference import CookTorrance, Dielectric, Lambert, OrenNayar, Schlick, Sum, albedo, spherical
 from vgroove.addon.reference.cook_torrance_albedo import quick_albedo
@@ -158,6 +159,6 @@ def test_a_sum_shows_all_inputs_once(blender):
     )
     node = next(node for node in made.node_tree.nodes if node.type == "GROUP" and "Sum" in node.node_tree.name)
     names = [socket.name for socket in node.inputs]
-    shown = ["Diffuse", "Specular", "Base Color", "Sigma", "Normal", "IOR", "Slope m"]
+    shown = ["Diffuse", "Specular", "Base Color", "Diffuse Roughness", "Normal", "IOR", "Roughness"]
     assert sorted(names) == sorted([*shown, "To Lamp 1", "Irradiance 1"])
-    assert node.inputs["Sigma"].default_value == pytest.approx(0.4)
+    assert value_of("sigma", node.inputs["Diffuse Roughness"]) == pytest.approx(0.4)

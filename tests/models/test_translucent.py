@@ -91,7 +91,7 @@ def test_light_leaves_beside_where_it_came_in(blender):
     """The mean free path reaches the closure in Cycles' own measure: Radius / (4 pi); and the inputs read back."""
     made = material.build(preset(), material.Choice("nodes", "fit"))
     node = next(n for n in made.node_tree.nodes if n.type == "GROUP" and translucent.NAME in n.node_tree.name)
-    assert tuple(node.inputs["Mean Free Path"].default_value) == pytest.approx((0.0004, 0.0003, 0.0002))
+    assert tuple(node.inputs["Subsurface Radius"].default_value) == pytest.approx((0.0004, 0.0003, 0.0002))
     inner = next(n for n in node.node_tree.nodes if n.bl_idname == "ShaderNodeSubsurfaceScattering")
     assert inner.falloff == "RANDOM_WALK"
     factor = inner.inputs["Radius"].links[0].from_node.inputs[1].default_value

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from vgroove import headless, nodegroups
+from vgroove.addon import models
 from vgroove.addon.blender import gonio
+from vgroove.addon.models.cook_torrance import SLOPE
 from vgroove.addon.reference import beckmann_d, f82, fresnel_conductor, fresnel_dielectric, schlick, spherical
 from vgroove.nodegroups import beckmann_d as beckmann_group
 from vgroove.nodegroups import (
@@ -36,7 +38,10 @@ SHADERS = (
     "lamp",
     "gonio_camera",
 )
-KEYS = {"Slope m": [(0.0, 0.1), (0.3, 0.2), (1.0, 0.6)], "F0": [(0.1, (0.9, 0.5, 0.3)), (0.6, (0.1, 0.2, 0.3))]}
+KEYS = {
+    "Roughness": [(0.0, 0.1), (0.3, 0.2), (1.0, 0.6)],
+    "Base Color": [(0.1, (0.9, 0.5, 0.3)), (0.6, (0.1, 0.2, 0.3))],
+}
 
 
 @pytest.fixture
@@ -67,17 +72,19 @@ def test_fresnel_groups_give_the_reference_value(group_value, cosine):
     c = np.float64(np.float32(cosine))
     f0 = np.float64(np.float32([0.04, 0.5, 0.95]))
     # About 6 float32 operations of 6e-8, doubled for the fifth power.
-    np.testing.assert_allclose(group_value(fresnel.KINDS["schlick"], "F", F0=f0, Cosine=c), schlick(c, f0), rtol=1e-6)
+    np.testing.assert_allclose(
+        group_value(fresnel.KINDS["schlick"], "F", Base_Color=f0, Cosine=c), schlick(c, f0), rtol=1e-6
+    )
     tint = np.float64(np.float32([0.6, 0.9, 1.0]))
     # Of b and the powers about 12 operations more, on what is at most 1.
-    got = group_value(fresnel.KINDS["f82"], "F", F0=f0, F82_Tint=tint, Cosine=c)
+    got = group_value(fresnel.KINDS["f82"], "F", Base_Color=f0, Edge_Tint=tint, Cosine=c)
     np.testing.assert_allclose(got, f82(c, f0, tint), rtol=2e-6, atol=1e-6)
     for eta in np.float64(np.float32([0.6, 1.1, 1.5, 2.4])):
         got = group_value(fresnel.KINDS["dielectric"], "F", IOR=eta, Cosine=c)
         # g - c rounds by 2^-24 (g + c), which counts (g + c)/(g - c) times, squared in F.
         np.testing.assert_allclose(got, np.full(3, fresnel_dielectric(c, eta)), rtol=2e-5, atol=1e-7)
     n, k = np.float64(np.float32([0.27, 0.68, 1.32])), np.float64(np.float32([3.61, 2.62, 2.29]))
-    got = group_value(fresnel.KINDS["conductor"], "F", n=n, k=k, Cosine=c)
+    got = group_value(fresnel.KINDS["conductor"], "F", IOR=n, Extinction=k, Cosine=c)
     np.testing.assert_allclose(got, fresnel_conductor(c, n, k), rtol=5e-6)
 
 
@@ -177,21 +184,20 @@ def test_every_shader_compiles_and_explains_its_parameters(blender, shader, tmp_
         "direct": cook_torrance_direct,
     }
     module = estimator[shader.rpartition("_")[2]]
-    labels = {"F0": "f0", "IOR": "eta", "n": "n", "k": "k", "Slope m": "m"}
     for kind in fresnel.KINDS:
         more = {} if module in (cook_torrance_fit, cook_torrance_closure) else {"lamps": 0}
         group = nodegroups.ensure(f"{shader} {kind}", 1, partial(module.build_osl, kind=kind, **more))
-        for item in sockets_of(group):
-            if item.name not in labels:
-                continue
-            parameter = parameters[labels[item.name]]
+        items = {item.name: item for item in sockets_of(group)}
+        for one in (*models.fresnel.KINDS[kind].parameters, SLOPE):
+            item, parameter, of_input = items[one.label], parameters[one.name], one.scale.of_input
             given = np.ravel(parameter.value)[:3]
-            shown = np.ravel(item.default_value)[: len(given)]
+            shown = of_input(np.ravel(item.default_value)[: len(given)])
             np.testing.assert_allclose(shown, given, rtol=1e-6)
             metadata = {meta.name: meta.value for meta in parameter.metadata}
-            assert metadata.get("label") == item.name
+            assert metadata.get("label") == (one.symbol or one.label)
             if item.socket_type == "NodeSocketFloat":
-                assert (metadata["min"], metadata["max"]) == pytest.approx((item.min_value, item.max_value))
+                ends = [of_input(end) for end in (item.min_value, item.max_value)]
+                assert [metadata["min"], metadata["max"]] == pytest.approx(ends)
 
 
 @pytest.mark.parametrize("course", KEYS.values(), ids=["number", "color"])

@@ -5,24 +5,12 @@ import os
 
 import pytest
 
-import vgroove
 from vgroove import headless
 from vgroove.addon.blender import course, material, roles
 from vgroove.addon.library import presets
 from vgroove.addon.ui import operators
 
 pytestmark = pytest.mark.blender
-
-
-@pytest.fixture
-def extension(blender):
-    """The extension switched on in Blender's default scene, with the cube selected."""
-    with headless.quiet():
-        blender.ops.wm.read_factory_settings()
-    vgroove.register()
-    blender.context.scene.vgroove.estimator = "closure"
-    yield blender
-    vgroove.unregister()
 
 
 @pytest.fixture
@@ -302,9 +290,9 @@ def test_what_was_taken_out_of_a_trajectory_is_refused_in_words(extension, rusti
         node = course.trajectory_node(made)
         if what in {"ramp", "script's text"}:
             sink = next(one for one in node.node_tree.nodes if one.bl_idname == "NodeGroupOutput")
-            last = sink.inputs["Slope m"].links[0].from_node
+            last = sink.inputs["Roughness"].links[0].from_node
             other = node.node_tree.nodes.new("ShaderNodeMath" if what == "ramp" else "ShaderNodeScript")
-            where = last.inputs["Before"] if what == "ramp" else sink.inputs["Slope m"]
+            where = last.inputs["Before"] if what == "ramp" else sink.inputs["Roughness"]
             node.node_tree.links.new((other.outputs or last.outputs)[0], where)
             if what != "ramp":
                 node.node_tree.nodes.remove(last)

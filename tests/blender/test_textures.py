@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Textures of an artist's material stay when one of ours replaces it, and a folder of maps finds its inputs."""
+
+import numpy as np
+import pytest
+
+from vgroove.addon.blender import image_set, material, roles, textures
+from vgroove.addon.blender.material import Choice
+from vgroove.addon.library import presets
+from vgroove.addon.reference.fresnel import F82_COSINE
+from vgroove.nodegroups import versions
+
+pytestmark = pytest.mark.blender
+
+CHOICE = Choice("nodes", "closure")  # which every model has
+
+
+def textured(kind, **names):
+    """A material of one of Blender's shaders, its inputs fed by noises of the labels given."""
+    made = versions.empty_material("Bricks")
+    tree = made.node_tree
+    shader, output = tree.nodes.new(kind), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    for label, name in names.items():
+        feed(tree, shader.inputs[name], label)
+    return made
+
+
+def feed(tree, socket, label):
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    noise.label = label
+    tree.links.new(noise.outputs["Color"], socket)
+
+
+def sources(made):
+    """The label of what feeds each input of our model's node."""
+    inputs = roles.node(made, roles.MODEL).inputs
+    return {socket.name: socket.links[0].from_node.label for socket in inputs if socket.is_linked}
+
+
+@pytest.mark.parametrize(
+    ("kind", "color"),
+    [
+        ("ShaderNodeBsdfPrincipled", "Base Color"),
+        ("ShaderNodeBsdfMetallic", "Base Color"),
+        ("ShaderNodeBsdfAnisotropic", "Color"),
+        ("ShaderNodeBsdfDiffuse", "Color"),
+        ("ShaderNodeBsdfGlass", "Color"),
+        ("ShaderNodeBsdfSheen", "Color"),
+    ],
+)
+@pytest.mark.parametrize(
+    "identity", ["metals/copper", "plastics/abs_plastic", "diffuse/clay", "glasses/bk7_crown_glass"]
+)
+def test_colour_roughness_and_normal_stay_linked(blender, kind, color, identity):
+    """Whichever of Blender's shaders had them, by every family; and the artist's own material stays as it was."""
+    source = textured(kind, colour=color, rough="Roughness", bumps="Normal")
+    made, lost = textures.build(presets.find(identity), CHOICE, source)
+    smooth = "Roughness" not in roles.node(made, roles.MODEL).inputs
+    expected = {"Base Color": "colour", "Normal": "bumps"} | ({} if smooth else {"Roughness": "rough"})
+    assert sources(made) == expected
+    assert lost == [f"{made.name} has no input Roughness"] * smooth
+    assert made.name == presets.find(identity).name
+    assert kind in {node.bl_idname for node in source.node_tree.nodes}
+    assert material.is_edited(made)
+
+
+def test_a_measured_metal_takes_a_colour_as_f82(blender):
+    """As bright head-on and at 82 degrees as by its n and k."""
+    copper = presets.find("metals/copper")
+    taken = textures.taking_colour(copper)
+    assert (taken.kind, taken.m) == ("f82", copper.m)
+    for cosine in (1.0, F82_COSINE):
+        np.testing.assert_allclose(taken.reference_fresnel()(cosine), copper.reference_fresnel()(cosine), rtol=1e-9)
+    assert textures.taking_colour(taken) is taken
+
+
+def test_alpha_emission_and_displacement_stay(blender):
+    """Alpha as a mix with Transparent, emission added, for both renderers; displacement at both outputs."""
+    source = textured(
+        "ShaderNodeBsdfPrincipled", colour="Base Color", leaf="Alpha", glow="Emission Color", metal="Metallic"
+    )
+    tree = source.node_tree
+    output = tree.get_output_node("CYCLES")
+    feed(tree, output.inputs["Displacement"], "height")
+    made, lost = textures.build(presets.find("plastics/abs_plastic"), CHOICE, source)
+    assert lost == ["Principled BSDF: Metallic"]
+    for role in (roles.OUTPUT, roles.EEVEE):
+        for out in roles.nodes(made, role):
+            mix = out.inputs["Surface"].links[0].from_node
+            assert mix.bl_idname == "ShaderNodeMixShader"
+            assert mix.inputs[0].links[0].from_node.label == "leaf"
+            assert mix.inputs[1].links[0].from_node.bl_idname == "ShaderNodeBsdfTransparent"
+            both = mix.inputs[2].links[0].from_node
+            assert both.inputs[1].links[0].from_node.inputs["Color"].links[0].from_node.label == "glow"
+            assert both.inputs[0].links[0].from_node == roles.node(made, roles.MODEL)
+            assert out.inputs["Displacement"].links[0].from_node.label == "height"
+    again, lost = textures.build(presets.find("diffuse/clay"), CHOICE, made)
+    assert lost == []
+    assert textures.read(again).alpha is not None
+    assert textures.read(again).emission is not None
+    assert sources(again) == {"Base Color": "colour"}
+
+
+def test_nothing_is_read_where_nothing_is_linked(blender):
+    """A plain material, an empty one, none at all, and a group of the artist's own."""
+    assert not textures.read(None)
+    assert not textures.read(textured("ShaderNodeBsdfPrincipled"))
+    assert not textures.read(versions.empty_material("Empty"))
+    made = versions.empty_material("Own")
+    node = made.node_tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = blender.data.node_groups.new("Own", "ShaderNodeTree")
+    assert not textures.read(made)
+
+
+NAMES = {
+    "Bricks075A_1K-JPG_Color": "Base Color", "rock_wall_diff_2k": "Base Color", "T_Wall_BaseColor": "Base Color",
+    "metal_plate_nor_gl_4k": "Normal", "Tiles_1K_NormalDX": "Normal DX", "colour_of_wood_Roughness": "Roughness",
+    "plaster-gloss": "Glossiness", "wall_height": "Displacement", "Wall_AmbientOcclusion": "Ambient Occlusion",
+    "metal_bump": "Bump", "leaf_opacity": "Alpha", "lava_emissive": "Emission Color", "steel_metalness": "Metallic",
+    "preview": "", "collage": "", "normandy": "",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_tell_what_a_map_is(name):
+    assert image_set.kind_of(name) == NAMES[name]
+
+
+@pytest.fixture
+def folder(blender, tmp_path):
+    """A folder of small pictures of these names."""
+
+    def make(*names):
+        for name in names:
+            image = blender.data.images.new(name, 4, 4)
+            image.filepath_raw, image.file_format = str(tmp_path / f"{name}.png"), "PNG"
+            image.save()
+            blender.data.images.remove(image)
+        return tmp_path
+
+    return make
+
+
+def test_an_image_set_finds_its_inputs(blender, folder):
+    """Colour in sRGB and the rest as data; gloss turned about where there is no roughness."""
+    maps = image_set.find(folder("wall_color", "wall_gloss", "wall_normal", "wall_bump", "wall_metal", "readme"))
+    made = material.build(presets.find("diffuse/clay"), CHOICE)
+    found = image_set.load(made.node_tree, maps)
+    assert textures.give(made, found) == []
+    assert found.lost == ["Metallic (wall_metal.png)"]
+    inputs = roles.node(made, roles.MODEL).inputs
+    assert inputs["Base Color"].links[0].from_node.image.colorspace_settings.name == "sRGB"
+    assert inputs["Roughness"].links[0].from_node.bl_idname == "ShaderNodeInvert"
+    bump = inputs["Normal"].links[0].from_node
+    assert bump.bl_idname == "ShaderNodeBump"
+    assert bump.inputs["Normal"].links[0].from_node.inputs["Color"].links[0].from_node.image.colorspace_settings.is_data
+
+
+def test_a_folder_without_maps_is_refused(blender, folder, tmp_path):
+    for path in (folder("readme"), tmp_path / "nowhere"):
+        with pytest.raises(image_set.ImageSetError, match="no picture whose name tells"):
+            image_set.find(path)

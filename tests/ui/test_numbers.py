@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel's other words for a material's numbers: a metal's colour, and parameters as papers give them."""
+
+import numpy as np
+import pytest
+
+from vgroove.addon.blender import material
+from vgroove.addon.blender.material import Choice
+from vgroove.addon.library import presets
+
+pytestmark = pytest.mark.blender
+
+
+def built(identity):
+    made = material.build(presets.find(identity), Choice("nodes", "fit"))
+    return made, made.vgroove_numbers
+
+
+def test_the_colour_of_a_metal_moves_its_index(extension):
+    """It is what the metal reflects head-on, before and after; the preset's n and k come back by the switch."""
+    copper = presets.find("metals/copper")
+    made, numbers = built("metals/copper")
+    np.testing.assert_allclose(numbers.color, copper.reference_fresnel()(1.0), rtol=1e-6)
+    assert numbers.measured
+    numbers.color = (0.2, 0.5, 0.9)
+    now = material.origin_of(made).preset
+    np.testing.assert_allclose(now.reference_fresnel()(1.0), (0.2, 0.5, 0.9), rtol=1e-5)
+    assert (numbers.measured, now.m) == (False, copper.m)
+    numbers.measured = True
+    assert numbers.measured
+    assert not material.is_edited(made)
+    numbers.color = (1.0, 1.0, 1.0)  # which has no n and k: held below
+    assert np.isfinite(material.origin_of(made).preset.parameters["k"]).all()
+
+
+@pytest.mark.parametrize(("identity", "name", "value"), [("metals/copper", "m", 0.09), ("diffuse/clay", "sigma", 0.6)])
+def test_parameters_as_papers_give_them(extension, identity, name, value):
+    """Shown and set beside Roughness, which moves with them; held to their range."""
+    made, numbers = built(identity)
+    assert getattr(numbers, name) == pytest.approx(presets.find(identity).parameters[name], rel=1e-5)
+    setattr(numbers, name, value)
+    assert material.origin_of(made).preset.parameters[name] == pytest.approx(value, rel=1e-5)
+    socket = material.parameter_sockets(made)[name]
+    assert socket.name == "Roughness"
+    if name == "m":
+        assert socket.default_value == pytest.approx(0.3)
+    setattr(numbers, name, 1e9)
+    assert getattr(numbers, name) == pytest.approx(presets.find(identity).spec.parameter(name).high, rel=1e-5)
+
+
+def test_what_a_material_lacks_reads_as_nothing(extension):
+    """A material that is not ours, and one that is no metal."""
+    plain = extension.data.materials.new("Plain").vgroove_numbers
+    clay = built("diffuse/clay")[1]
+    for numbers in (plain, clay):
+        assert tuple(numbers.color) == (0.0, 0.0, 0.0)
+        assert not numbers.measured
+        numbers.m = 0.5
+        assert numbers.m == 0.0
