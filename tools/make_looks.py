@@ -11,23 +11,16 @@ import sys
 from typing import TYPE_CHECKING
 
 import numpy as np
-from make_presets import head_on, identity_of, main, text_of
+from make_presets import head_on, identity_of, linear, main, passing, text_of
 from optical_constants import table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
 
 HEAD = "# Made by tools/make_looks.py"
 ROUGHER = 2.0  # a slope still suits a look that is half as large, or twice
 SOURCE = {"data": "chosen by eye", "trust": "nothing is measured: colour and roughness are looks"}
-
-
-def linear(hexadecimal: str) -> NDArray[np.float64]:
-    """Linear Rec.709 of an sRGB colour. Source: IEC 61966-2-1."""
-    coded = np.array([int(hexadecimal[at : at + 2], 16) for at in (0, 2, 4)]) / 255.0
-    return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
 
 
 def looks() -> Iterator[tuple[str, str]]:
@@ -51,7 +44,8 @@ def _text(row: dict[str, str]) -> str:
     elif form == "body":
         values |= {"model": "translucent", "reflectance": colour, "mean_free_path": [float(row["mean_free_path"])] * 3}
     elif form == "clear":
-        values |= {"model": "glass", "eta": eta, "m": 0.0, "m_range": [0.0, 0.5]}
+        values |= {"model": "glass", "eta": eta, "m": float(row["m"]), "m_range": [0.0, 0.5]}
+        values |= {} if row["colour"] == "ffffff" else {"tint": passing(row["colour"])}
         tables = {"source": tables["source"], "verified": head_on(eta)}
         return _made(values, tables)
     else:

@@ -207,15 +207,19 @@ def transparent() -> Iterator[tuple[str, str]]:
 
 
 def single_indices() -> Iterator[tuple[str, str]]:
-    """Id and text of those that have an index and no more; opaque ones are white under it."""
+    """Id and text of those that have an index and no more; opaque ones are white under it, clear ones tinted by eye."""
+    tints = {row["material"]: row["colour"] for row in table("tints")}
     for row in table("scalar_indices"):
         n, low, high = (float(row[key]) for key in ("n", "n_low", "n_high"))
         spread = f", the middle of {low:g} to {high:g}" * (low < high)
         source = {"data": f"index near 589 nm{spread}: {row['source']}"}
         if row["body"] == "clear":
-            trust = "eta is quoted, not traced to a measurement; no absorption: what passes is not tinted; m = 0 is an "
+            colour = tints.get(row["material"])
+            passes = "colour is by eye" if colour else "no absorption: what passes is not tinted"
+            trust = f"eta is quoted, not traced to a measurement; {passes}; m = 0 is an ideal polish"
             values = described(row["family"], row["material"], "glass") | {"m": 0.0, "m_range": (0.0, 0.5), "eta": n}
-            tables = {"source": source | {"trust": trust + "ideal polish"}, "verified": head_on(n)}
+            values |= {"tint": passing(colour)} if colour else {}
+            tables = {"source": source | {"trust": trust}, "verified": head_on(n)}
         else:
             trust = f"eta is quoted, not traced to a measurement; colour is chosen; {LOOK}"
             values = described(row["family"], row["material"], "sum") | {"coupled": True, "d": 1.0, "s": 1.0}
@@ -228,6 +232,17 @@ def single_indices() -> Iterator[tuple[str, str]]:
             }
             tables = {"fresnel": {"eta": n}, "source": source | {"trust": trust}, "verified": head_on(n)}
         yield identity_of(row["family"], row["material"]), text_of(values, **tables)
+
+
+def linear(hexadecimal: str) -> NDArray[np.float64]:
+    """Linear Rec.709 of an sRGB colour. Source: IEC 61966-2-1."""
+    coded = np.array([int(hexadecimal[at : at + 2], 16) for at in (0, 2, 4)]) / 255.0
+    return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+
+
+def passing(colour: str) -> NDArray[np.float64]:
+    """The tint of one surface of a body that shows ``colour`` (sRGB): light passes two, in any size."""
+    return np.round(np.sqrt(linear(colour)), 4)
 
 
 def car_paints() -> Iterator[tuple[str, str]]:

@@ -46,6 +46,7 @@ class _InProperties:
 class _Picker:
     """Choose a preset and apply it."""
 
+    layout: bpy.types.UILayout
     bl_label = "V-Groove Material"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -94,6 +95,7 @@ class VGROOVE_PT_material_properties(_Picker, _InProperties, bpy.types.Panel):
 class _Parameters:
     """The parameters of the active object's material."""
 
+    layout: bpy.types.UILayout
     bl_label = "Edit Parameters"
     bl_options = {"DEFAULT_CLOSED"}
 

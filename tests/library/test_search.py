@@ -28,7 +28,7 @@ bottle glasses/; crystal glasses/; "milk glass" organic/milk_glass; "gray glass"
 water liquids/water; ocean liquids/water
 oil liquids/; milk translucent/; honey liquids/honey; blood liquids/blood; alcohol liquids/ethanol
 petrol liquids/gasoline
-gasoline liquids/gasoline; diamond gems/diamond; ruby gems/sapphire; sapphire gems/sapphire; emerald gems/beryl
+gasoline liquids/gasoline; diamond gems/diamond; ruby gems/ruby; sapphire gems/sapphire; emerald gems/emerald
 amethyst gems/quartz; topaz gems/topaz; opal gems/opal; pearl gems/moonstone; jade organic/jade; amber gems/amber
 stone stone/; rock stone/; marble translucent/marble; granite stone/; slate stone/slate; sandstone stone/sandstone
 brick diffuse/brick; concrete diffuse/concrete; cement diffuse/concrete; asphalt stone/asphalt; road stone/
