@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..addon.models import MODELS, fresnel, parameter
 from . import ensure
+from ._tree import hold
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -31,8 +32,9 @@ def add_input(tree: Tree, of: Parameter, *, native: bool = False, prefix: str = 
 
 
 def given(tree: Tree, of: Parameter, names: Mapping[str, str]) -> Value:
-    """A parameter, of the input made before for it under its label, or what ``names`` calls that."""
-    return of.scale.of_input(tree.given(names.get(of.label, of.label)))
+    """A parameter, of the input made before for it under its label, or what ``names`` calls that; held to its range."""
+    value = tree.given(names.get(of.label, of.label))
+    return value if of.is_rgb else of.scale.of_input(hold(value, *map(of.scale.to_input, (of.low, of.high))))
 
 
 def to_input(name: str) -> bpy.types.ShaderNodeTree:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..models import fresnel
@@ -71,16 +72,16 @@ def file_name(name: str) -> str:
     return re.sub(r"\W+", "_", name.casefold()).strip("_") or "preset"
 
 
-def save(preset: Preset, folder: Path) -> Preset:
+def save(preset: Preset, folder: Path, *, overwrite: bool = False) -> Preset:
     """Write ``preset`` into the user's ``folder`` by its name; the preset as it is found from now on.
 
-    PresetError where it would not read back or a preset of that name is there already, OSError where the folder cannot
-    be written. Nothing is ever overwritten.
+    PresetError where it would not read back, or a preset of that name is there already and is not to be overwritten.
+    OSError where the folder cannot be written.
     """
     path = folder / f"{file_name(preset.name)}.toml"
     text = dumps(preset)
     held = presets.parse(text, f"{USER_FAMILY}/{path.stem}", path.name)
-    if path.exists():
+    if path.exists() and not overwrite:
         message = f'there is a preset "{path.stem}" in {folder} already; give this one another name'
         raise PresetError(message)
     folder.mkdir(parents=True, exist_ok=True)
@@ -88,6 +89,38 @@ def save(preset: Preset, folder: Path) -> Preset:
     write_text(path, text)
     presets.reread()
     return held
+
+
+def own_file(preset: Preset, folder: Path | None) -> Path | None:
+    """The file of a preset in the user's ``folder``; None of one that ships with vgroove."""
+    if folder is None or preset.id in presets.shipped():
+        return None
+    family, stem = preset.id.split("/")
+    path = (folder if family == USER_FAMILY else folder / family) / f"{stem}.toml"
+    return path if path.is_file() else None
+
+
+def rename(preset: Preset, name: str, folder: Path) -> Preset:
+    """Give one of the user's presets another name, and its file with it; raises as ``save`` does."""
+    path = own_file(preset, folder)
+    if path is None:
+        message = f"{preset.id} ships with vgroove and keeps its name; save a copy as your own"
+        raise PresetError(message)
+    renamed = save(replace(preset, name=name), folder, overwrite=path.stem == file_name(name))
+    if own_file(renamed, folder) != path:
+        path.unlink()
+        presets.reread()
+    return renamed
+
+
+def delete(preset: Preset, folder: Path) -> None:
+    """Remove one of the user's presets; PresetError of one that ships with vgroove, OSError where that fails."""
+    path = own_file(preset, folder)
+    if path is None:
+        message = f"{preset.id} ships with vgroove and cannot be deleted"
+        raise PresetError(message)
+    path.unlink()
+    presets.reread()
 
 
 def import_file(path: Path, folder: Path) -> Preset:

@@ -16,6 +16,7 @@ from . import (
     numbers,
     opened,
     operators,
+    own_presets,
     panels,
     preferences,
     properties,
@@ -25,7 +26,18 @@ from . import (
     watch,
 )
 
-WITH_CLASSES = (preferences, properties, numbers, operators, apply, textures, shader_editor, panels, course)
+WITH_CLASSES = (
+    preferences,
+    properties,
+    numbers,
+    operators,
+    own_presets,
+    apply,
+    textures,
+    shader_editor,
+    panels,
+    course,
+)
 _registered = ExitStack()
 
 

@@ -1,33 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Change materials of the selected objects, fix the scene, save presets. Each change of the file is one undo step."""
+"""Change materials of the selected objects, fix the scene, cite. Each change of the file is one undo step."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..blender import facts, material
 from ..blender.rebuild import rebuild, reset
 from ..choose import advice, automatic
 from ..library import presets
-from ..library import writing as preset_files
 from ..library.errors import InputError
-from ..library.files import replacing
 from . import course, memory, watch
 from .properties import chosen_preset
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..blender.facts import SceneFacts
-
-FILE_PATH = bpy.props.StringProperty(
-    name="File Path", description="The preset file", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}
-)
 
 
 class VGROOVE_OT_update(bpy.types.Operator):
@@ -163,7 +152,7 @@ class VGROOVE_OT_reset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _poll_ours(cls, context)
+        return poll_ours(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         made = ours(context)
@@ -178,111 +167,7 @@ class VGROOVE_OT_reset(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class VGROOVE_OT_save_preset(bpy.types.Operator):
-    """Save the active material's values as a preset in the user's folder."""
-
-    bl_idname = "vgroove.save_preset"
-    bl_label = "Save as My Preset"
-    bl_description = "Save the material's current values as a preset in your folder"
-    bl_options = {"REGISTER", "UNDO"}  # of the choice; the file stays
-
-    name: bpy.props.StringProperty(name="Name", description="Name of the preset", maxlen=60)
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return _poll_folder(cls) and _poll_ours(cls, context)
-
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        self.name = f"My {material.preset_of(ours(context)).name}"[:60]
-        return context.window_manager.invoke_props_dialog(self)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        made = ours(context)
-        try:
-            preset = material.to_preset(made)
-        except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        source = dict(preset.source)
-        if material.is_edited(made):
-            source |= {"data": f"edited from {preset.id}, whose source is: {source['data']}"}
-        edited = replace(preset, name=self.name, source=source)
-        return _save(self, context, lambda folder: preset_files.save(edited, folder))
-
-
-class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
-    """Copy a preset file into the user's folder."""
-
-    bl_idname = "vgroove.import_preset"
-    bl_label = "Import Preset"
-    bl_description = "Copy a preset file into your folder"
-    bl_options = {"REGISTER", "UNDO"}  # of the choice; the file stays
-
-    filename_ext = ".toml"
-    filepath: FILE_PATH
-    filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
-
-    @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        return _poll_folder(cls)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        return _save(
-            self, context, lambda folder: preset_files.import_file(Path(bpy.path.abspath(self.filepath)), folder)
-        )
-
-
-class VGROOVE_OT_export_preset(bpy.types.Operator, ExportHelper):
-    """Write the preset to a file."""
-
-    bl_idname = "vgroove.export_preset"
-    bl_label = "Export Preset"
-    bl_description = "Write the preset to a file, to share or edit"
-    bl_options = {"REGISTER"}
-
-    filename_ext = ".toml"
-    filepath: FILE_PATH
-    filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        self.filepath = f"{preset_files.file_name(chosen_preset(context.scene.vgroove).name)}.toml"
-        return ExportHelper.invoke(self, context, event)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        path = Path(bpy.path.abspath(self.filepath))  # "//" is the .blend's folder
-        try:
-            with replacing(path) as temporary:
-                temporary.write_text(preset_files.dumps(chosen_preset(context.scene.vgroove)), encoding="utf-8")
-        except OSError as error:
-            self.report({"ERROR"}, f"{path} cannot be written: {error.strerror or error}")
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"Wrote {path}")
-        return {"FINISHED"}
-
-
-def _save(operator: bpy.types.Operator, context: bpy.types.Context, save: Callable[[Path], presets.Preset]) -> set[str]:
-    """Save a preset in the user's folder, and choose it."""
-    folder = presets.user_folder()
-    try:
-        saved = save(folder) if folder else None
-    except (InputError, OSError) as error:
-        operator.report({"ERROR"}, str(error))
-        return {"CANCELLED"}
-    if saved is None:
-        return {"CANCELLED"}
-    context.scene.vgroove.preset = saved.id
-    operator.report({"INFO"}, f"{saved.name} saved in {folder}")
-    return {"FINISHED"}
-
-
-def _poll_folder(operator: type[bpy.types.Operator]) -> bool:
-    if presets.user_folder() is None:
-        operator.poll_message_set("No preset folder: install the extension, or set VGROOVE_PRESETS")
-        return False
-    return True
-
-
-def _poll_ours(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+def poll_ours(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     if ours(context) is None:
         item = context.object
         made = item.active_material if item else None
@@ -350,7 +235,4 @@ CLASSES = (
     VGROOVE_OT_favourite,
     VGROOVE_OT_copy_citation,
     VGROOVE_OT_reset,
-    VGROOVE_OT_save_preset,
-    VGROOVE_OT_import_preset,
-    VGROOVE_OT_export_preset,
 )

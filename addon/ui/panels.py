@@ -169,6 +169,10 @@ class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("vgroove.import_preset", text="Import", icon="IMPORT")
         row.operator("vgroove.export_preset", text="Export", icon="EXPORT")
+        if preset.id not in presets.shipped():
+            row = layout.row(align=True)
+            row.operator("vgroove.rename_preset", text="Rename", icon="GREASEPENCIL")
+            row.operator("vgroove.delete_preset", text="Delete", icon="TRASH")
 
 
 class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):

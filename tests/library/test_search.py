@@ -24,12 +24,14 @@ perspex plastics/pmma; lego plastics/abs; toy plastics/abs
 teflon plastics/ptfe; vinyl plastics/pvc; nylon plastics/nylon
 rubber rubber/; tyre rubber/tyre_rubber; tire rubber/tyre_rubber; latex rubber/natural_latex; eraser rubber/eraser
 glass glasses/glass; window glasses/; frosted glasses/frosted_glass; lens glasses/
-bottle glasses/; crystal glasses/; "milk glass" organic/milk_glass; "gray glass" glasses/soda_lime_glass_grey_tint
+bottle glasses/; crystal glasses/; "milk glass" organic/milk_glass; "gray glass" glasses/; "blue glass" glasses/cobalt
 water liquids/water; ocean liquids/water
 oil liquids/; milk translucent/; honey liquids/honey; blood liquids/blood; alcohol liquids/ethanol
 petrol liquids/gasoline
 gasoline liquids/gasoline; diamond gems/diamond; ruby gems/ruby; sapphire gems/sapphire; emerald gems/emerald
-amethyst gems/quartz; topaz gems/topaz; opal gems/opal; pearl gems/moonstone; jade organic/jade; amber gems/amber
+amethyst gems/amethyst; citrine gems/citrine; garnet gems/; wine liquids/; beer liquids/beer; tea liquids/tea
+coffee liquids/coffee; whiskey liquids/whisky; juice liquids/; cola liquids/cola; ink liquids/blue_ink
+topaz gems/topaz; opal gems/opal; pearl gems/moonstone; jade organic/jade; amber gems/amber
 stone stone/; rock stone/; marble translucent/marble; granite stone/; slate stone/slate; sandstone stone/sandstone
 brick diffuse/brick; concrete diffuse/concrete; cement diffuse/concrete; asphalt stone/asphalt; road stone/
 snow stone/snow; gravel stone/gravel; sand diffuse/sand; desert stone/desert_sand
