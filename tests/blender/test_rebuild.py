@@ -77,7 +77,10 @@ def test_another_estimator_keeps_what_an_artist_made(blender, stage):
     links.new(node.outputs[0], mix.inputs[1])
     links.new(mix.outputs[0], roles.node(made, roles.OUTPUT).inputs["Surface"])
     for estimator in ("hybrid", "corrected", "closure", "fit"):
-        assert rebuild(made, stage, estimator=estimator) == []
+        mixed = (
+            [] if estimator in material.NATIVE else ["EEVEE shows what Cycles renders, as other shaders are mixed in"]
+        )
+        assert rebuild(made, stage, estimator=estimator) == mixed
         assert material.origin_of(made).estimator == estimator
         assert (made.name, made.users, len(blender.data.materials)) == ("Door", 1, 1)
         assert (model(made).name, model(made).label, tuple(node.location)) == (
