@@ -85,8 +85,38 @@ def rgb(row: dict[str, str], key: str) -> NDArray[np.float64]:
     return np.array([float(row[f"{key}_{channel}"]) for channel in "rgb"])
 
 
+# How colour and roughness are known, by how the sentence on trust begins.
+KNOWN = {
+    "nothing is measured": ("by eye", "by eye"),
+    "authored": ("by eye", "by eye"),
+    "n and k are measured": ("measured", "by eye"),
+    "n and k measured; colours computed": ("computed", "by eye"),
+    "n and k are calculated": ("computed", "by eye"),
+    "f0 and f82_tint follow from n and k, which are measured": ("measured", "by eye"),
+    "f0 and f82_tint follow from n and k, which are calculated": ("computed", "by eye"),
+    "f0 as the lecture prints it": ("quoted", "by eye"),
+    "eta is quoted, not traced to a measurement; colour": ("by eye", "by eye"),
+    "eta is quoted": ("quoted", "by eye"),
+    "eta is measured; colour": ("by eye", "by eye"),
+    "eta": ("measured", "by eye"),
+    "the two indices are measured": ("measured", "by eye"),
+    "colours, r and m are fits to measurements": ("measured", "measured"),
+    "scattering and absorption are measured": ("measured", "by eye"),
+    "measured": ("measured", "measured"),
+}
+
+
+def how_known(trust: str) -> dict[str, object]:
+    """The first entry of KNOWN that fits."""
+    return next(dict(zip(("colour", "roughness"), known, strict=True)) for how, known in KNOWN.items()
+                if trust.startswith(how))  # fmt: skip
+
+
 def text_of(values: dict[str, object], **tables: dict[str, object] | list[dict[str, object]]) -> str:
     """A preset's file: numbers to six digits."""
+    source = tables["source"]
+    assert isinstance(source, dict)
+    tables["source"] = source | how_known(str(source["trust"]))
     return HEAD + toml(rounded(values), **{name: rounded(content) for name, content in tables.items()})
 
 

@@ -43,6 +43,15 @@ class Preset:
         return self.id.split("/")[0]
 
     @property
+    def known(self) -> str:
+        """How its colour and roughness are known, in Blender's words; "" where its file does not say."""
+        colour, roughness = (self.source.get(key, "") for key in ("colour", "roughness"))
+        if not colour or not roughness:
+            return ""
+        same = colour == roughness
+        return f"Color and roughness {colour}" if same else f"Color {colour}, roughness {roughness}"
+
+    @property
     def spec(self) -> Model:
         """What its model is."""
         return MODELS[self.model]

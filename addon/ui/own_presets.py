@@ -56,6 +56,7 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
         source = dict(preset.source)
         if material.is_edited(made):
             source |= {"data": f"edited from {preset.id}, whose source is: {source['data']}"}
+            source |= {"colour": "by eye", "roughness": "by eye"}
         edited = replace(preset, name=self.name, source=source)
         return _save(self, context, lambda folder: preset_files.save(edited, folder, overwrite=self.overwrite))
 

@@ -8,6 +8,7 @@ import tomllib
 import numpy as np
 import pytest
 
+from vgroove.addon.library import presets
 from vgroove.addon.library.checks import PresetError
 from vgroove.addon.library.presets import FOLDER, all_presets, find, load, load_folder, parse
 from vgroove.addon.models import parameter
@@ -197,3 +198,16 @@ def test_all_presets_are_read_in_little_more_than_their_toml_takes():
             tomllib.loads(path.read_text(encoding="utf-8"))
 
     assert least(lambda: load_folder(FOLDER)) < 3.0 * least(toml_alone)
+
+
+def test_every_preset_that_ships_says_how_it_is_known():
+    """In a word each, for the panel; looks say "by eye", and a word that is none is refused."""
+    assert all(preset.known for preset in presets.shipped().values())
+    assert presets.find("metals/copper").known == "Color measured, roughness by eye"
+    assert presets.find("wood/oak_raw").known == "Color and roughness by eye"
+    eyed = [one for one in presets.shipped().values() if one.source["trust"].startswith("nothing is measured")]
+    assert {one.known for one in eyed} == {"Color and roughness by eye"}
+    text = 'name = "A"\nm = 0.1\n[fresnel]\neta = 1.5\n[source]\ndata = "here"\n'
+    assert presets.parse(text, "a/a", "a").known == ""
+    with pytest.raises(presets.PresetError, match="colour must be one of measured, computed, quoted, by eye"):
+        presets.parse(text + 'colour = "guessed"\n', "a/a", "a")
