@@ -207,7 +207,7 @@ def test_every_preset_that_ships_says_how_it_is_known():
     assert presets.find("wood/oak_raw").known == "Color and roughness by eye"
     eyed = [one for one in presets.shipped().values() if one.source["trust"].startswith("nothing is measured")]
     assert {one.known for one in eyed} == {"Color and roughness by eye"}
-    text = 'name = "A"\nm = 0.1\n[fresnel]\neta = 1.5\n[source]\ndata = "here"\n'
+    text = 'name = "A"\nmodel = "cook_torrance"\nm = 0.1\n[fresnel]\neta = 1.5\n[source]\ndata = "here"\n'
     assert presets.parse(text, "a/a", "a").known == ""
     with pytest.raises(presets.PresetError, match="colour must be one of measured, computed, quoted, by eye"):
         presets.parse(text + 'colour = "guessed"\n', "a/a", "a")
