@@ -5,7 +5,6 @@ import os
 
 import pytest
 
-import vgroove
 from vgroove import headless
 from vgroove.addon.blender import course, material, roles
 from vgroove.addon.library import presets
@@ -15,22 +14,10 @@ pytestmark = pytest.mark.blender
 
 
 @pytest.fixture
-def extension(blender):
-    """The extension switched on in Blender's default scene, with the cube selected."""
-    with headless.quiet():
-        blender.ops.wm.read_factory_settings()
-    vgroove.register()
-    blender.context.scene.vgroove.estimator = "closure"
-    yield blender
-    vgroove.unregister()
-
-
-@pytest.fixture
-def own_folder(extension, tmp_path, monkeypatch):
-    monkeypatch.setenv(presets.USER_FOLDER, str(tmp_path))
-    presets.reread()
-    yield tmp_path
-    presets.reread()
+def extension(extension):
+    """By one lobe, which is the quickest to build."""
+    extension.context.scene.vgroove.estimator = "closure"
+    return extension
 
 
 def run(extension, operator, /, **settings):
