@@ -7,6 +7,7 @@ import re
 import signal
 import sys
 from dataclasses import dataclass
+from functools import partial
 
 import pytest
 
@@ -53,3 +54,14 @@ def vgroove(*arguments, encoding="utf-8", longest=LONGEST):
     out, err = (stream.buffer.getvalue().decode(encoding) for stream in (out, err))
     # Blender writes its errors to sys.stdout, which is a pipe to nowhere then when it is the process's own.
     return Said(code, re.sub(r"(?m)^Error: .*\n", "", out), err)
+
+
+patient = partial(vgroove, longest=300)  # for commands that begin processes, render sequences or check rows
+
+
+def read_exr(path):
+    """The pixels of an image that a command wrote, and its OpenImageIO specification."""
+    import OpenImageIO as oiio
+
+    file = oiio.ImageInput.open(str(path))
+    return file.read_image("float"), file.spec()

@@ -53,6 +53,18 @@ def test_a_decision_on_a_model_is_seen(tmp_path, monkeypatch):
     assert found.places[house.DECISIONS] == ["addon/choose/wrong.py:2 glass, sum"]
 
 
+@pytest.mark.parametrize("folder", ["addon/choose", "tests/blender", "tools"])
+def test_a_file_or_a_function_that_grows_too_long_is_seen(tmp_path, monkeypatch, folder):
+    """In code, tests and tools alike, from the first line over the limit."""
+    monkeypatch.setattr(house, "ROOT", tmp_path)
+    path = tmp_path / folder / "long.py"
+    path.parent.mkdir(parents=True)
+    for more, rules in ((0, []), (1, [house.LONG_FILES, house.LONG_FUNCTIONS])):
+        body = "    pass\n" * (house.LONGEST_FUNCTION - 1 + more)
+        path.write_text("def f():\n" + body + "\n" * (house.LONGEST_FILE - house.LONGEST_FUNCTION), encoding="utf-8")
+        assert sorted(house.count()[0].places) == rules
+
+
 def test_what_differs_between_blenders_stands_in_one_file():
     """Of what is rendered with; tests and the report may ask for a version."""
     rooms = ("addon", "nodegroups", "headless", "batch", "cli")

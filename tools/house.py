@@ -57,6 +57,11 @@ def sources() -> list[Path]:
     )
 
 
+def everything() -> list[Path]:
+    """Every Python file, those of the tests and tools too, which stand outside the rooms."""
+    return [*sources(), *sorted(path for folder in ("tests", "tools") for path in (ROOT / folder).rglob("*.py"))]
+
+
 def room(path: Path) -> str:
     """The room of a file; "" for what belongs to none."""
     folders = path.relative_to(ROOT).parts[:-1]
@@ -99,17 +104,24 @@ def count() -> tuple[Count, Counter[str], Counter[str]]:
     for path in sources():
         text, here = path.read_text(encoding="utf-8"), room(path)
         tree = ast.parse(text)
-        size = text.count("\n")
         files[here or "(none)"] += 1
-        lines[here or "(none)"] += size
-        if size > LONGEST_FILE:
-            found.add(LONG_FILES, path, size)
+        lines[here or "(none)"] += text.count("\n")
         for imported, line in imports(path, tree):
             there = room(imported)
             if here and there and climbs(here, there):
                 found.add(CLIMBS, path, line, f"{here} imports {there}")
         _names(path, tree, text, found)
+    for path in everything():
+        _lengths(path, path.read_text(encoding="utf-8"), found)
     return found, files, lines
+
+
+def _lengths(path: Path, text: str, found: Count) -> None:
+    if (size := text.count("\n")) > LONGEST_FILE:
+        found.add(LONG_FILES, path, size)
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno + 1 > LONGEST_FUNCTION:
+            found.add(LONG_FUNCTIONS, path, node.lineno, node.name)
 
 
 def _names(path: Path, tree: ast.Module, text: str, found: Count) -> None:
@@ -117,8 +129,6 @@ def _names(path: Path, tree: ast.Module, text: str, found: Count) -> None:
         if "cook_torrance" in line and not is_own(path, "cook_torrance"):
             found.add(NAMES, path, number)
     for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno + 1 > LONGEST_FUNCTION:
-            found.add(LONG_FUNCTIONS, path, node.lineno, node.name)
         if isinstance(node, ast.Compare):
             told = {one for one in _texts(node) if one in MODELS and not is_own(path, one)}
             if told:

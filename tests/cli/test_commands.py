@@ -4,10 +4,8 @@
 A kind of command is run as a process of its own once (``process``), and otherwise in this one.
 """
 
-import csv
 import json
 import os
-import re
 import subprocess
 import sys
 from functools import partial
@@ -20,20 +18,18 @@ from vgroove import cli
 from vgroove.addon.blender import lamps
 from vgroove.addon.models import MODELS
 from vgroove.addon.reference import CookTorrance, Schlick, albedo
-from vgroove.cli import terminal
 
-from .. import commands
+from ..commands import Said, read_exr
+from ..commands import patient as vgroove
 
 pytestmark = [pytest.mark.blender, pytest.mark.usefixtures("blender")]
-
-vgroove = partial(commands.vgroove, longest=300)  # batches begin processes
 
 
 def process(*arguments):
     """Run the command as a user does."""
     command = [str(Path(sys.executable).parent / "vgroove"), *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    return commands.Said(done.returncode, done.stdout, done.stderr)
+    return Said(done.returncode, done.stdout, done.stderr)
 
 
 def test_presets_as_json_hold_the_contract():
@@ -130,13 +126,6 @@ def test_a_broken_scene_is_one_line_and_exit_2(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def read_exr(path):
-    import OpenImageIO as oiio
-
-    file = oiio.ImageInput.open(str(path))
-    return file.read_image("float"), file.spec()
-
-
 def test_measure_writes_the_brdf_with_its_story(tmp_path):
     """Pixel (x, y) is phi_o = 2 pi (x + .5)/W, theta_o = (pi/2)(y + .5)/H; parameters are in the attributes."""
     path = tmp_path / "f.exr"
@@ -192,28 +181,6 @@ def test_render_a_preset_to_exr_and_the_same_again(tmp_path):
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()
     assert sorted(tmp_path.iterdir()) == paths  # nothing temporary is left
-
-
-@pytest.fixture
-def scene_file(blender, tmp_path):
-    """A .blend with a plane "Floor" in view, a sun of zero size and a lamp-free second frame."""
-    stage = blender.context.scene
-    stage.render.engine = "CYCLES"
-    stage.render.resolution_x, stage.render.resolution_y = 32, 24
-    stage.cycles.samples = 1
-    mesh = blender.data.meshes.new("Floor")
-    mesh.from_pydata([(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], [], [(0, 1, 2, 3)])
-    stage.collection.objects.link(blender.data.objects.new("Floor", mesh))
-    camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
-    camera.location = (0, 0, 4)
-    sun = blender.data.lights.new("Sun", "SUN")
-    sun.angle = 0.0
-    stage.collection.objects.link(blender.data.objects.new("Sun", sun))
-    stage.collection.objects.link(camera)
-    stage.camera = camera
-    path = tmp_path / "scene.blend"
-    blender.ops.wm.save_as_mainfile(filepath=str(path))
-    return path
 
 
 @pytest.mark.parametrize("backend", ["nodes", "osl"])
@@ -287,177 +254,6 @@ def test_explain_says_what_is_built_and_what_is_not():
     refused = vgroove("explain", "liquids/water", "--estimator", "fit")
     assert refused.code == 2
     assert 'which has no estimator "fit"; use one of closure, mirror' in refused.err
-
-
-# Over time
-
-
-def test_presets_as_json_say_how_they_change(monkeypatch):
-    """What is static has no "time"; the table says so too."""
-    (preset,) = json.loads(vgroove("presets", "rusting", "--json").out)
-    assert preset["time"]["unit"] == "share"
-    assert (preset["time"]["start"], preset["time"]["end"]) == (0.0, 1.0)
-    assert set(preset["time"]["laws"]) == {"albedo", "s", "m"}
-    monkeypatch.setattr(terminal.out, "_width", 500)  # wide enough for the row to stay on one line
-    assert "changes from 0 to 1 share: albedo, s, m" in " ".join(vgroove("presets", "rusting").out.split())
-
-
-def test_measure_at_a_time_measures_the_preset_as_it_is_then(tmp_path):
-    """Its parameters are in the attributes; the law itself, not keys of it."""
-    from vgroove.addon.library.presets import find
-
-    path = tmp_path / "f.exr"
-    done = vgroove("measure", "rusting_iron", "--time", "0.4", "--theta-i", "45", "--resolution", "32x16", "-o", path)
-    assert done.code == 0, done.err
-    image, spec = read_exr(path)
-    model = find("rusting_iron").at(0.4).reference()
-    theta, phi = np.pi / 2 * (np.arange(16) + 0.5)[:, None] / 16, 2 * np.pi * (np.arange(32) + 0.5) / 32
-    wo = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)), axis=-1)
-    expected = model.evaluate([np.sin(np.pi / 4), 0.0, np.cos(np.pi / 4)], wo)
-    np.testing.assert_allclose(image, expected, atol=2e-5 * expected.max())
-    assert json.loads(spec.get_string_attribute("vgroove:parameters"))["m"] == pytest.approx(0.18001)
-
-
-@pytest.mark.once
-@pytest.mark.usefixtures("quick_sky")
-def test_a_sequence_plays_the_course_and_is_taken_up_again(tmp_path):
-    """From start to end over the frames; what is there already is kept, what is broken or of other settings is not."""
-    base = ["render", "rusting_iron", "--samples", "2", "--resolution", "32x24", "--estimator", "fit"]
-    frames = [*base, "--frames", "1-4", "-o", tmp_path / "r_##.exr"]
-    first = vgroove(*frames)
-    assert first.code == 0, first.err
-    paths = [tmp_path / f"r_0{k}.exr" for k in (1, 2, 3, 4)]
-    assert sorted(tmp_path.iterdir()) == paths
-    for path, time in ((paths[0], "0"), (paths[3], "1")):
-        still = tmp_path / "still.exr"
-        vgroove(*base, "--time", time, "-o", still)
-        np.testing.assert_allclose(read_exr(path)[0], read_exr(still)[0], rtol=1e-4, atol=1e-5)
-    stamps = {path: path.stat().st_mtime_ns for path in paths}
-    paths[1].unlink()
-    paths[2].write_bytes(paths[2].read_bytes()[:200])
-    again = vgroove(*frames)
-    assert "wrote 4 frames" in again.err
-    assert "2 of them there already" in again.err
-    assert {path for path in paths if path.stat().st_mtime_ns == stamps[path]} == {paths[0], paths[3]}
-    assert "there already" not in vgroove(*frames, "--seed", "1").err
-
-
-@pytest.mark.parametrize("driving", ["curves", "age"])
-def test_a_sequence_of_a_scene_has_a_strip_and_a_movie(scene_file, tmp_path, driving):
-    """The assigned preset plays over the frames; strip and movie hold them."""
-    import bpy
-
-    done = vgroove(
-        "render", scene_file, "--assign", "Floor=rusting_iron", "--frames", "3-7", "--driving", driving,
-        "--strip", tmp_path / "strip.png", "--movie", tmp_path / "movie.mp4", "-o", tmp_path / "f_#.png",
-    )  # fmt: skip
-    assert done.code == 0, done.err
-    image, _ = read_exr(tmp_path / "strip.png")
-    assert image.shape[1] == 5 * 240 + 4 * 4
-    tiles = [image[20:100, 244 * k + 60 : 244 * k + 180].mean(axis=(0, 1)) for k in range(5)]
-    assert len({tuple(tile.round(3)) for tile in tiles}) == 5
-    movie = bpy.data.movieclips.load(str(tmp_path / "movie.mp4"))
-    assert movie.frame_duration == 5
-    bpy.data.movieclips.remove(movie)
-    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
-
-
-@pytest.mark.once
-@pytest.mark.usefixtures("quick_sky")
-def test_outputs_may_be_names_alone(tmp_path, monkeypatch):
-    """Then they come to where the command was called."""
-    monkeypatch.chdir(tmp_path)
-    base = ["render", "rusting_iron", "--samples", "1", "--resolution", "32x24", "--estimator", "closure"]
-    for more in (
-        ["-o", "still.png"],
-        ["--frames", "1-2", "-o", "r_#.png", "--strip", "strip.png", "--movie", "movie.mp4"],
-        ["--frames", "1-1", "--shutter", "0.5", "-o", "exposed_#.exr"],
-        ["--frames", "1-1", "--shutter", "0.25", "-o", "exposed_#.exr"],  # of other settings: rendered anew
-    ):
-        done = vgroove(*base, *more)
-        assert done.code == 0, done.err
-        assert "there already" not in done.err
-    names = ["exposed_1.exr", "movie.mp4", "r_1.png", "r_2.png", "still.png", "strip.png"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == names
-
-
-def test_time_in_a_scene_goes_to_those_that_change(scene_file, tmp_path):
-    """And is refused where none does."""
-    done = vgroove("render", scene_file, "--assign", "Floor=rusting_iron", "--time", "0.5", "-o", tmp_path / "a.png")
-    assert done.code == 0, done.err
-    refused = vgroove("render", scene_file, "--assign", "Floor=copper", "--time", "0.5", "-o", tmp_path / "b.png")
-    assert refused.code == 2
-    assert "does not change over time" in refused.err
-
-
-def test_a_task_that_fails_does_not_keep_the_rest_from_being_rendered(scene_file, tmp_path):
-    """An object that is not there: exit 3, one line with the reason, which the table has too."""
-    job = tmp_path / "job.toml"
-    job.write_text(
-        f'[[render]]\nscene = "{scene_file}"\nobject = "Flour"\npreset = "gold"\n'
-        f'[[render]]\nscene = "{scene_file}"\nobject = "Floor"\npreset = "gold"\n'
-    )
-    done = vgroove("batch", job, "-o", tmp_path / "out")
-    assert done.code == 3
-    assert '1 of 2 tasks failed: "Flour=metals/gold": the scene has no object of that name; it has' in done.err
-    with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["status"] for row in rows] == ["failed", "rendered"]
-    assert "no object of that name" in rows[0]["reason"]
-    assert len(list((tmp_path / "out").glob("*.exr"))) == 1
-
-
-@pytest.mark.once
-def test_a_still_of_a_batch_is_what_render_makes(tmp_path):
-    """The same pixels, but for the rounding of a sum in halves: a unit in the last place of float32 a sample."""
-    given = ["--set", "m=0.2", "--samples", "2", "--resolution", "24x16", "--seed", "3"]
-    assert vgroove("render", "copper", *given, "-o", tmp_path / "still.exr").code == 0
-    job = tmp_path / "job.toml"
-    job.write_text('[[render]]\npreset = "copper"\nset.m = 0.2\nsamples = 2\nresolution = "24x16"\nseed = 3\n')
-    assert vgroove("batch", job, "-o", tmp_path / "out").code == 0
-    (path,) = (tmp_path / "out").glob("*.exr")
-    still = read_exr(tmp_path / "still.exr")[0]
-    np.testing.assert_allclose(read_exr(path)[0], still, rtol=2 * np.finfo(np.float32).eps)
-
-
-@pytest.mark.once
-def test_a_batch_is_planned_rendered_and_taken_up_again(tmp_path):
-    """--dry-run writes nothing; the second run keeps all, and the table of results keeps its seconds."""
-    job = tmp_path / "job.toml"
-    job.write_text('[[render]]\npreset = ["copper", "gold"]\nseed = [0, 1]\nsamples = 2\nresolution = "24x16"\n')
-    planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run")
-    assert planned.code == 0, planned.err
-    assert "4 tasks" in planned.out
-    assert re.search(r"about \d+ s by \d processes for 4 tasks, by the speed of the preview scene", planned.out)
-    assert not (tmp_path / "out").exists()
-    first, again = (vgroove("batch", job, "-o", tmp_path / "out", "--workers", 1) for _ in range(2))
-    assert first.code == 0, first.err
-    assert "wrote 4 stills" in first.err
-    assert "4 of them there already" in again.err
-    with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["label"] for row in rows][:2] == ["lecture/copper, seed 0", "lecture/copper, seed 1"]
-    assert all(row["status"] == "there" and float(row["seconds"]) > 0 for row in rows)
-    planned = vgroove("batch", job, "-o", tmp_path / "out", "--dry-run").out
-    assert "about 0 s by" in planned
-    assert "for 0 tasks, by the speed of 4 that are there" in planned
-    part = vgroove("batch", job, "-o", tmp_path / "a [/b] part", "--tasks", "2-3", "--workers", 1)
-    assert "wrote 2 stills to" in part.err
-    assert "a [/b] part" in part.err
-    made = {path.name for path in (tmp_path / "a [/b] part").iterdir()}
-    assert made == {"results-2-3.csv", *(f"{row['task']}.exr" for row in rows[1:3])}
-    (tmp_path / "file").touch()
-    within = vgroove("batch", job, "-o", tmp_path / "file" / "out")
-    assert within.code == 2
-    assert "file/out: cannot be made: Not a directory; choose another with -o" in within.err
-    beyond = vgroove("batch", job, "-o", tmp_path / "part", "--tasks", "2-5")
-    assert beyond.code == 2
-    assert '--tasks "2-5": write A-B, from 1-4: the job has 4 tasks' in beyond.err
-    page = vgroove("gallery", tmp_path / "out", "-o", tmp_path / "page.html")
-    assert page.code == 0, page.err
-    assert (tmp_path / "page.html").read_text(encoding="utf-8").count("<article") == 4
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"results.csv", *(f"{row['task']}.exr" for row in rows)}
 
 
 # Closed pipes

@@ -172,7 +172,7 @@ def test_a_lamp_added_after_a_material_is_said_and_bound_anew(stage, estimator):
     bind = lamps_to_bind(stage, estimator)
     ball = with_ball(stage, material.build(preset, material.Choice("nodes", estimator, bind, bound=0.01)))
     node = next(n for n in ball.active_material.node_tree.nodes if n.label == preset.name)
-    node.inputs["Roughness"].default_value = 0.4
+    node.inputs["Roughness"].default_value = 0.4**0.5
 
     def stale():
         return [p for p in advice.problems_with(stage, preset, "nodes", estimator) if p.key.startswith("stale")]

@@ -7,11 +7,10 @@ from dataclasses import FrozenInstanceError, fields, is_dataclass
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vgroove.addon.reference import (
-    F82,
     Conductor,
     CookTorrance,
     Dielectric,
@@ -21,20 +20,12 @@ from vgroove.addon.reference import (
     Smooth,
     Sum,
     albedo,
-    beckmann_d,
-    cook_torrance,
-    f82,
-    fresnel_conductor,
-    fresnel_dielectric,
     oren_nayar,
-    schlick,
-    smith_g,
     spherical,
-    vgroove_g,
-    vgroove_g1,
 )
 
-UP = np.array([0.0, 0.0, 1.0])
+from .examples import ANGLES, SLOPES, UP, at_height, bundles, directions, slopes, thorough, upper
+
 FRESNELS = [
     Schlick((0.04, 0.5, 1.0)),
     Dielectric((1.5, 0.5, 1.0)),
@@ -42,32 +33,7 @@ FRESNELS = [
     Conductor((0.2, 1.5, 20.0), (3.9, 0.0, 20.0)),
     Conductor((0.0, 1.0, 0.5), (1e-6, 1e-9, 1e-3)),
 ]
-ANGLES = np.deg2rad([0, 10, 30, 45, 60, 70, 80, 85, 88, 89, 89.9, 89.99])
-SLOPES = [1e-6, 1e-3, 0.02, 0.1, 0.3, 0.6, 1.0, 3.0, 10.0]
 SIGMAS = [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, np.pi / 2]
-
-# The same examples in every run; a few are enough where each is a whole array of directions.
-thorough = settings(
-    max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow]
-)
-slopes = st.floats(np.log(1e-6), np.log(10.0)).map(np.exp).map(lambda m: min(max(float(m), 1e-6), 10.0))
-# Tangent, the smallest numbers, both sides of the 1e-50 that counts as tangent, grazing, and below the surface.
-special = st.sampled_from([0.0, -0.0, 5e-324, 1e-160, 1e-50, 2e-50, 1e-20, 1e-8, 1e-4, 1.0, -5e-324, -1e-8, -0.3, -1.0])
-heights = st.one_of(special, st.floats(0.0, 1.0), st.floats(0.0, 1e-3))
-# The azimuths that make one direction the mirror image of the other, and any.
-azimuths = st.one_of(st.sampled_from([0.0, np.pi / 2, np.pi, 3 * np.pi / 2]), st.floats(0.0, 2 * np.pi))
-
-
-def at_height(z, phi=0.0):
-    """The unit vector of height ``z`` above the surface."""
-    z, phi = np.broadcast_arrays(np.asarray(z, dtype=float), phi)
-    radius = np.sqrt((1 - z) * (1 + z))
-    return np.stack([radius * np.cos(phi), radius * np.sin(phi), z], axis=-1)
-
-
-directions = st.builds(at_height, heights, azimuths)
-upper = st.builds(at_height, st.floats(1e-3, 1.0), st.floats(0.0, 2 * np.pi))
-bundles = st.lists(directions, min_size=12, max_size=12).map(np.stack)
 
 
 def all_models(m, fresnel):
@@ -198,115 +164,6 @@ def test_oren_nayar_full_fit_is_cut_where_it_is_negative():
     assert (oren_nayar(wi, wo, [0.01, 0.1, 0.4], 0.6) > 0).all()
 
 
-# --- Fresnel --------------------------------------------------------------------------------------------------------
-
-COSINES = np.array([0.0, 1e-300, 1e-8, 1e-3, 0.1, 0.3, 0.5, 0.7, 0.9, 1 - 1e-9, 1.0])
-
-
-@given(
-    cos=st.floats(0.0, 1.0), n=st.floats(0.0, 20.0), k=st.floats(0.0, 20.0), f0=st.floats(0.0, 1.0),
-    tint=st.floats(0.0, 1.0),
-)  # fmt: skip
-@thorough
-def test_fresnel_lies_between_0_and_1(cos, n, k, f0, tint):
-    """All forms, for any medium."""
-    values = [schlick(cos, f0), f82(cos, f0, tint)]
-    if n > 1e-50:
-        values.append(fresnel_dielectric(cos, n))
-    if n > 0 or k > 0:
-        values.append(fresnel_conductor(cos, n, k))
-    for F in values:
-        assert F.shape == ()
-        assert 0.0 <= F <= 1.0
-
-
-def test_index_of_1_reflects_nothing():
-    """eta = 1 is no interface: exactly 0, at every angle, in every model."""
-    F = fresnel_dielectric(COSINES, 1.0)
-    assert F.shape == COSINES.shape
-    assert (F == 0).all()
-    assert (fresnel_conductor(COSINES, 1.0, 0.0) == 0).all()
-    wi, wo = spherical(ANGLES)[:, None], spherical(ANGLES, 2.0)
-    for fresnel in (Dielectric(1.0), Conductor(1.0, 0.0)):
-        assert (CookTorrance(0.3, fresnel).evaluate(wi, wo) == 0).all()
-        assert (CookTorrance(0.3, fresnel).sample(wo, [0.1, 0.3, 0.5, 0.7])[1] == 0).all()
-        assert (albedo(CookTorrance(0.3, fresnel), wo) == 0).all()
-        assert (albedo(Smooth(fresnel), wo) == 0).all()
-
-
-@pytest.mark.parametrize("eta", [0.1, 0.5, 0.75, 0.999, 1 - 1e-9])
-def test_total_internal_reflection_is_1(eta):
-    """Beyond the critical angle exactly 1; before it less."""
-    critical = np.sqrt((1 - eta) * (1 + eta))
-    beyond = fresnel_dielectric(critical * np.array([0.0, 1e-9, 0.5, 0.999999]), eta)
-    before = fresnel_dielectric(np.minimum(critical * np.array([1.000001, 1.1, 2.0]), 1.0), eta)
-    assert beyond.shape == (4,)
-    assert (beyond == 1).all()
-    assert (before < 1).all()
-    np.testing.assert_allclose(fresnel_conductor(critical * 0.5, eta, 0.0), 1.0, rtol=1e-15)
-
-
-@pytest.mark.parametrize("eta", [0.3, 0.999, 1.001, 1.333, 1.5, 2.4, 10.0])
-def test_fresnel_has_its_textbook_values(eta):
-    """((eta - 1)/(eta + 1))^2 head-on, 1 at grazing, no parallel part at Brewster's angle."""
-    head_on = ((eta - 1) / (eta + 1)) ** 2
-    assert fresnel_dielectric(1.0, eta) == pytest.approx(head_on, rel=1e-14)
-    assert fresnel_conductor(1.0, eta, 0.0) == pytest.approx(head_on, rel=1e-14)
-    assert fresnel_dielectric(0.0, eta) == 1.0
-    brewster = 1 / np.sqrt(1 + eta**2)
-    # There refracted and reflected ray are at right angles, and r_s = (1 - eta^2)/(1 + eta^2).
-    expected = 0.5 * ((1 - eta**2) / (1 + eta**2)) ** 2
-    # 1 - eta^2 by subtraction, as here, has an absolute rounding of 1.1e-16: relatively 5e-14 at 1.001, squared 1e-13.
-    assert fresnel_dielectric(brewster, eta) == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize(("n", "k"), [(0.2, 3.9), (1.5, 0.0), (3.0, 3.0), (1.0, 20.0)])
-def test_fresnel_conductor_head_on_is_that_of_two_indices(n, k):
-    """((n - 1)^2 + k^2) / ((n + 1)^2 + k^2)."""
-    expected = ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)
-    assert fresnel_conductor(1.0, n, k) == pytest.approx(expected, rel=1e-14)
-
-
-def test_schlick_ends_at_f0_and_1():
-    """F0 head-on and 1 at grazing, exactly; never falling between."""
-    f0 = np.array([0.0, 0.04, 0.54, 1.0])
-    assert schlick(1.0, f0).tolist() == f0.tolist()
-    assert schlick(0.0, f0).tolist() == [1.0] * 4
-    F = schlick(np.linspace(0, 1, 101)[:, None], f0)
-    assert F.shape == (101, 4)
-    assert (np.diff(F, axis=0) <= 0).all()
-
-
-def test_f82_is_schlick_but_for_the_tint_at_82_degrees():
-    """White leaves Schlick's formula; else head-on and grazing stay, and at cos = 1/7 it is multiplied by the tint."""
-    f0, tint = np.array([0.02, 0.5, 0.95]), np.array([0.4, 0.8, 1.0])
-    assert (f82(COSINES[:, None], f0, 1.0) == schlick(COSINES[:, None], f0)).all()
-    assert f82(1.0, f0, tint).tolist() == f0.tolist()
-    assert f82(0.0, f0, tint).tolist() == [1.0] * 3
-    np.testing.assert_allclose(f82(1 / 7, f0, tint), tint * schlick(1 / 7, f0), rtol=1e-14)
-    with pytest.raises(ValueError, match="tint"):
-        f82(0.5, 0.5, 1.1)
-
-
-@pytest.mark.parametrize(
-    ("one", "colour"),
-    [
-        (Schlick(0.3), Schlick((0.3, 0.3, 0.3))),
-        (F82(0.3, 0.8), F82((0.3, 0.3, 0.3), 0.8)),
-        (Dielectric(1.5), Dielectric((1.5, 1.5, 1.5))),
-        (Conductor(0.2, 3.9), Conductor((0.2, 0.2, 0.2), 3.9)),
-        (Conductor(0.2, 3.9), Conductor(0.2, (3.9, 3.9, 3.9))),
-    ],
-    ids=repr,
-)
-def test_fresnel_of_one_number_is_grey(one, colour):
-    """A single number means all three channels, also when as many cosines as channels come in."""
-    for cosines in (0.5, COSINES, COSINES[:3], COSINES[:9].reshape(3, 3)):
-        got = one(cosines)
-        assert got.shape == (*np.shape(cosines), 3)
-        assert (got == colour(cosines)).all()
-
-
 # --- reciprocity ----------------------------------------------------------------------------------------------------
 
 
@@ -318,7 +175,7 @@ def test_cook_torrance_is_reciprocal(m, wi, wo):
     Exchanged, everything is computed from the same numbers but v.h, which is once wo.h and once wi.h. They differ by
     (|wo|^2 - |wi|^2)/|wi + wo|, relatively to v.h = |wi + wo|/2 by 2 (|wo|^2 - |wi|^2)/|wi + wo|^2, and float64 unit
     vectors are of length 1 only to 2.5e-16: |wo|^2 - |wi|^2 is up to 1e-15. Both dot products add
-    roundings of 8 U / (v.h) (U = 1.1e-16; test_reference_mpmath.py). With x the sum of both, G changes by x and
+    roundings of 8 U / (v.h) (U = 1.1e-16; test_mpmath.py). With x the sum of both, G changes by x and
     F by up to 3 x: d ln F / d ln(v.h) is at most 2.3 for Schlick from F0 = 0.04 on, 2.7 for eta = 1.5, less for metals.
     """
     length = np.linalg.norm(wi + wo)
@@ -392,138 +249,6 @@ def test_oren_nayar_of_white_facets_gains_a_little_at_grazing_views(qualitative,
     assert energy.max() == pytest.approx(1 + excess, abs=2e-4)  # 89.99 degrees stands for the horizon
 
 
-@pytest.mark.parametrize("m", [0.02, 0.3, 1.0, 10.0])
-@pytest.mark.parametrize("s", [0.0, 0.3, 1.0])
-def test_sum_never_returns_more_than_it_receives(m, s):
-    """White parts with d + s = 1: albedo at most 1, and the weighted sum of the parts'."""
-    rough, flat, wo = CookTorrance(m, Schlick(1.0)), Lambert(1.0), spherical(ANGLES)
-    energy = albedo(Sum(flat, rough, 1 - s, s), wo)
-    assert energy.shape == (len(ANGLES), 3)
-    assert (energy <= 1 + 1e-6).all()
-    np.testing.assert_allclose(energy, (1 - s) * albedo(flat, wo) + s * albedo(rough, wo), rtol=1e-15)
-
-
-@given(d=st.floats(0.0, 1.0), wi=upper, wo=upper)
-@thorough
-def test_sum_adds_its_parts(d, wi, wo):
-    """f = d f_diffuse + s f_specular."""
-    flat, rough = OrenNayar((0.1, 0.5, 0.9), 0.3), CookTorrance(0.4, Schlick(0.5))
-    got = Sum(flat, rough, d, 1 - d).evaluate(wi, wo)
-    assert got.shape == (3,)
-    np.testing.assert_allclose(got, d * flat.evaluate(wi, wo) + (1 - d) * rough.evaluate(wi, wo), rtol=1e-15)
-
-
-@given(wi=upper, wo=upper)
-@settings(thorough, max_examples=20)  # each a quadrature
-def test_coupled_sum_scatters_what_is_not_mirrored(wi, wo):
-    """f = d (1 - s E_s(wo)) f_diffuse + s f_specular, by channel."""
-    flat, rough = OrenNayar((0.1, 0.5, 0.9), 0.3), CookTorrance(0.4, Schlick((0.04, 0.5, 1.0)))
-    got = Sum(flat, rough, 0.9, 0.8, coupled=True).evaluate(wi, wo)
-    expected = 0.9 * (1 - 0.8 * albedo(rough, wo)) * flat.evaluate(wi, wo) + 0.8 * rough.evaluate(wi, wo)
-    assert got.shape == (3,)
-    np.testing.assert_allclose(got, expected, rtol=1e-9)  # a view in another azimuth rounds its cosine otherwise
-
-
-@pytest.mark.parametrize("m", [0.02, 0.3, 1.0])
-def test_coupled_sum_of_white_parts_loses_nothing(m):
-    """d = s = 1 over white Lambert: 1 - E_s + E_s = 1 at every view; 0 from below, for a bundle and for none."""
-    mixed = Sum(Lambert(1.0), CookTorrance(m, Dielectric(1.5)), 1.0, 1.0, coupled=True)
-    wo = np.stack([*spherical(ANGLES[:-1:2]), -UP])
-    np.testing.assert_allclose(albedo(mixed, wo), [[1.0] * 3] * (len(wo) - 1) + [[0.0] * 3], rtol=1e-12)
-    assert albedo(mixed, UP).shape == (3,)
-    assert mixed.evaluate(UP, np.zeros((0, 3))).shape == (0, 3)
-    assert mixed.evaluate(UP, np.zeros((2, 0, 3))).shape == (2, 0, 3)
-
-
-def test_coupled_sum_takes_a_slope_for_each_direction():
-    """As ``CookTorrance`` does."""
-    m, wo = np.array([0.1, 0.5]), spherical(0.7, np.array([0.0, 1.0]))
-    got = Sum(Lambert(0.5), CookTorrance(m, Schlick(0.5)), 1.0, 1.0, coupled=True).evaluate(UP, wo)
-    for index in range(2):
-        one = Sum(Lambert(0.5), CookTorrance(m[index], Schlick(0.5)), 1.0, 1.0, coupled=True)
-        np.testing.assert_allclose(got[index], one.evaluate(UP, wo[index]), rtol=1e-12)
-
-
-class Brushed:
-    """A part that looks different from each azimuth; it reflects x^2 / 2 + 0.1 of what is seen from (x, y, z)."""
-
-    def evaluate(self, wi, wo):
-        return self.directional_albedo(wo) / np.pi
-
-    def directional_albedo(self, wo):
-        return np.repeat(0.5 * np.square(np.asarray(wo)[..., :1]) + 0.1, 3, axis=-1)
-
-
-def test_coupled_sum_knows_that_a_part_may_differ_by_azimuth():
-    """What an anisotropic part leaves depends on the whole direction, asked for in whatever order."""
-    views = np.array([[0.6, 0.0, 0.8], [0.0, 0.6, 0.8]])
-    mixed = Sum(Lambert(0.5), Brushed(), 1.0, 0.5, coupled=True)
-    seen = Brushed().directional_albedo(views)
-    np.testing.assert_allclose(mixed.directional_albedo(views), 0.5 * (1.0 - 0.5 * seen) + 0.5 * seen, rtol=1e-14)
-
-
-def test_coupled_sum_asks_each_view_once(monkeypatch):
-    """One quadrature a cosine, whatever the azimuths, the lights and the calls."""
-    rough, asked = CookTorrance(0.3, Schlick(0.5)), []
-    original = CookTorrance.directional_albedo
-
-    def counted(model, wo):
-        asked.extend(wo[:, 2])
-        return original(model, wo)
-
-    monkeypatch.setattr(CookTorrance, "directional_albedo", counted)
-    mixed = Sum(Lambert(0.5), rough, 1.0, 1.0, coupled=True)
-    views = np.broadcast_to(np.stack([at_height(0.5), at_height(0.8)]), (50, 2, 3))
-    for light in (UP, at_height(0.3)):
-        mixed.evaluate(light, views)
-    assert asked == [0.5, 0.8]
-
-
-# --- D and G --------------------------------------------------------------------------------------------------------
-
-
-@given(wi=upper, wo=upper, m=slopes)
-@thorough
-def test_shadowing_lies_between_0_and_1(wi, wo, m):
-    """G of the V-groove is the smaller of both one-sided terms; Cycles' Smith term may pass 1 by 1.3e-4 (its fit)."""
-    h = (wi + wo) / np.linalg.norm(wi + wo)
-    G = vgroove_g(wi, wo)
-    assert G.shape == ()
-    assert 0 < G <= 1
-    # wi.h and wo.h differ as in test_cook_torrance_is_reciprocal.
-    allowed = 4e-15 / np.sum((wi + wo) ** 2) + 1e-14
-    assert pytest.approx(min(vgroove_g1(wi, h), vgroove_g1(wo, h)), rel=allowed) == G
-    assert 0 < smith_g(wi, wo, m) <= 1 + 1.3e-4
-
-
-def test_shadowing_by_hand():
-    """60 degrees from both sides: h is the normal, v.h = 1/2, 2 (n.h)(n.v)/(v.h) = 2, so nothing is hidden.
-
-    Light along the normal, view at 80 degrees: h at 40 degrees, 2 cos 40 cos 80 / cos 40 = 2 cos 80 = 0.347.
-    """
-    theta = np.deg2rad(80)
-    assert vgroove_g(spherical(np.pi / 3), spherical(-np.pi / 3)) == 1.0
-    assert vgroove_g(UP, spherical(theta)) == pytest.approx(2 * np.cos(theta), rel=1e-14)
-
-
-def test_cook_torrance_takes_another_shadowing():
-    """With G = 1 and with Smith's G: the formula's other factors stay."""
-    wi, wo, m = spherical(1.2), spherical(1.4, 2.5), 0.5
-    plain = cook_torrance(wi, wo, m, Schlick(0.5), G=1.0)
-    assert plain.shape == (3,)
-    np.testing.assert_allclose(plain * vgroove_g(wi, wo), cook_torrance(wi, wo, m, Schlick(0.5)), rtol=1e-15)
-    other = cook_torrance(wi, wo, m, Schlick(0.5), G=smith_g(wi, wo, m))
-    np.testing.assert_allclose(plain * smith_g(wi, wo, m), other, rtol=1e-15)
-
-
-@pytest.mark.parametrize("m", SLOPES)
-def test_beckmann_peak_is_that_of_its_width(m):
-    """D(n) = 1/(pi m^2), and at tan = m it has fallen to 1/e of that over cos^4."""
-    assert beckmann_d(UP, m) == pytest.approx(1 / (np.pi * m**2), rel=1e-15)
-    expected = (1 + m**2) ** 2 / (np.e * np.pi * m**2)
-    assert beckmann_d(spherical(np.arctan(m)), m) == pytest.approx(expected, rel=1e-14)
-
-
 # --- the smooth limit -----------------------------------------------------------------------------------------------
 
 
@@ -546,19 +271,6 @@ def test_narrow_lobes_approach_the_smooth_interface(fresnel):
     """m = 1e-6: the albedo is that of the mirror, up to m^2 times second derivatives (below 30 degrees of grazing)."""
     wo = spherical(ANGLES[ANGLES < 1.1], 0.3)
     np.testing.assert_allclose(albedo(CookTorrance(1e-6, fresnel), wo), albedo(Smooth(fresnel), wo), rtol=1e-9)
-
-
-def test_smooth_part_of_a_sum_is_sampled_with_its_share():
-    """d : s picks the lobe; the delta's weight is s F over its probability, the rest is the diffuse part alone."""
-    mixed, wo = Sum(Lambert(0.5), Smooth(Schlick(0.2)), 0.3, 0.1), spherical(0.6)
-    wi, weight = mixed.sample(wo, [0.24, 0.1, 0.2, 0.3])
-    assert wi.tolist() == (wo * [-1, -1, 1]).tolist()
-    F = schlick(wo[2], 0.2)
-    np.testing.assert_allclose(weight, 0.1 * F / 0.25, rtol=1e-15)
-    wi, weight = mixed.sample(wo, [0.26, 0.1, 0.2, 0.3])
-    assert wi.tolist() != (wo * [-1, -1, 1]).tolist()
-    np.testing.assert_allclose(weight, 0.3 * 0.5 / 0.75, rtol=1e-14)
-    np.testing.assert_allclose(albedo(mixed, wo), 0.3 * 0.5 + 0.1 * F, rtol=1e-15)
 
 
 # --- the classes ----------------------------------------------------------------------------------------------------

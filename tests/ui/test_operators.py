@@ -14,11 +14,10 @@ pytestmark = pytest.mark.blender
 
 
 @pytest.fixture
-def own_folder(extension, tmp_path, monkeypatch):
-    monkeypatch.setenv(presets.USER_FOLDER, str(tmp_path))
-    presets.reread()
-    yield tmp_path
-    presets.reread()
+def extension(extension):
+    """By one lobe, which is the quickest to build."""
+    extension.context.scene.vgroove.estimator = "closure"
+    return extension
 
 
 def run(extension, operator, /, **settings):

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Choosing a preset in the panel: search, families, names in files, pictures."""
+
+import pytest
+
+from vgroove import headless
+
+from .panel import drawn
+
+pytestmark = pytest.mark.blender
+
+
+def test_the_search_offers_what_it_finds(extension):
+    """In all families, the best first; what is shown is one of the hits, and Apply applies it."""
+    from vgroove.addon.ui import properties
+
+    settings = extension.context.scene.vgroove
+    assert (settings.family, settings.preset, settings.shown) == ("Metals", "metals/copper", "metals/copper")
+    settings.search = "gold SATIN"
+    gold, purple = "finished_metals/gold_satin", "finished_metals/purple_gold_aual2_satin"
+    assert [preset.id for preset in properties.matching(settings)] == [gold, purple]
+    assert [item[0] for item in properties.shown_items(settings, None)] == [gold, purple]
+    assert settings.shown == settings.preset == gold
+    settings.shown = purple
+    settings.search = "purple"
+    assert settings.preset == purple  # still a hit
+    settings.search = ""
+    assert settings.preset != purple  # the family Metals has it not
+    settings.preset = "gems/diamond"
+    assert settings.shown == "gems/diamond"  # a script's choice stands
+
+
+def test_another_family_shows_one_of_its_own(extension):
+    from vgroove.addon.ui import properties
+
+    settings = extension.context.scene.vgroove
+    settings.family = "Gems"
+    assert settings.preset.startswith("gems/")
+    settings.family = properties.ALL
+    assert settings.preset.startswith("gems/")
+
+
+def test_a_search_without_hits_applies_nothing(extension):
+    """It says so, shows no picture, and Apply is refused in words."""
+    from vgroove.addon.ui import panels, properties
+
+    settings = extension.context.scene.vgroove
+    settings.search = "no such thing"
+    assert properties.matching(settings) == []
+    told = drawn(extension, panels.VGROOVE_PT_material)
+    assert "Nothing found" in " ".join(told.texts)
+    assert not extension.ops.vgroove.apply.poll()
+    settings.search = "copper"
+    assert "12 found" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
+    assert extension.ops.vgroove.apply.poll()
+
+
+def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
+    """Through a saved file, whatever presets come or go; one that is not there gives the first."""
+    from vgroove.addon.library.presets import all_presets
+    from vgroove.addon.ui import properties
+
+    assert len({properties.number(identity) for identity in all_presets()}) == len(all_presets())
+    extension.context.scene.vgroove.preset = "gems/diamond"
+    with headless.quiet():
+        extension.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
+        extension.ops.wm.read_factory_settings(use_empty=True)
+        extension.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    settings = extension.context.scene.vgroove
+    assert settings.shown == settings.preset == "gems/diamond"
+    settings.preset = "mine/lost"
+    assert settings.shown == properties.chosen_preset(settings).id == "metals/copper"
+
+
+def test_pictures_are_read_when_they_are_drawn(extension, tmp_path, monkeypatch):
+    """Each once, a little later; one that is not there leaves no icon. (Without a window no icon has a number.)"""
+    from vgroove.addon.library.presets import find
+    from vgroove.addon.ui import thumbnails
+
+    monkeypatch.setattr(thumbnails, "FOLDER", tmp_path)
+    (pictures,) = thumbnails._pictures
+    assert thumbnails.icon(find("gems/diamond")) == 0
+    assert not pictures
+    (tmp_path / "gems").mkdir()
+    image = extension.data.images.new("Picture", 8, 8)
+    image.file_format, image.filepath_raw = "WEBP", str(tmp_path / "gems" / "diamond.webp")
+    image.save()
+    for _ in range(2):
+        thumbnails.icon(find("gems/diamond"))
+    assert set(pictures) == {"gems/diamond"}
+    assert thumbnails._waiting == ["gems/diamond"]
+    assert extension.app.timers.is_registered(thumbnails._read_some)
+    assert thumbnails._read_some() is None  # as Blender's timer does, when it has time
+    assert not thumbnails._waiting
+    assert min(pictures["gems/diamond"].image_size) >= 8
+    thumbnails.icon(find("gems/diamond"))
+    assert not thumbnails._waiting
