@@ -145,7 +145,9 @@ class VGROOVE_PT_published(_InSidebar, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
-        numbers.draw_published(self.layout.column(), operators.ours(context))
+        made = operators.ours(context)
+        assert made is not None  # noqa: S101 - poll saw to it
+        numbers.draw_published(self.layout.column(), made)
 
 
 class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):

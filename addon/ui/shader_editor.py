@@ -16,6 +16,7 @@ class VGROOVE_OT_add_node(bpy.types.Operator):
 
     bl_idname = "vgroove.add_node"
     bl_label = "Add V-Groove Shader"
+    bl_description = "Add a V-Groove shader to the node tree"
     bl_options = {"REGISTER", "UNDO"}
 
     shader: bpy.props.EnumProperty(

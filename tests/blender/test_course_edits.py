@@ -9,6 +9,7 @@ from vgroove.addon.blender import course, material, rebuild
 from vgroove.addon.blender.course import AnimationError, Play
 from vgroove.addon.blender.material import Choice, MaterialError, build, lamps_to_bind
 from vgroove.addon.library.presets import find
+from vgroove.addon.models import parameter
 from vgroove.nodegroups import trajectory
 
 from .courses import CHANGING, SHORT, made, shown, stiff
@@ -76,8 +77,8 @@ def test_baking_gives_the_curves_that_would_have_been_made(blender, name, backen
     assert not [text for text in blender.data.texts if "trajectory" in text.name]
     after = [shown(aged, frame) for frame in (1.0, 40.0, 333.25, 600.0)]
     for a, b in zip(before, after, strict=True):
-        for parameter in a:
-            np.testing.assert_allclose(a[parameter], b[parameter], atol=2e-6)
+        for key in a:
+            np.testing.assert_allclose(a[key], b[key], atol=2e-6)
     both = [sorted(material.curves(one), key=lambda c: (c.data_path, c.array_index)) for one in (aged, curved)]
     assert len(both[0]) == len(both[1])
     for a, b in zip(*both, strict=True):
@@ -98,8 +99,9 @@ def test_baking_follows_a_curve_of_age_that_an_artist_shaped(blender):
     course.bake(one, material.parameter_sockets(one))
     for frame, expected in zip(frames, before, strict=True):
         for name, value in shown(one, frame).items():
-            reach = np.ptp([each[name] for each in before], axis=0).max()
-            assert np.abs(value - expected[name]).max() <= 1.01e-3 * reach + 1e-6
+            to_input = parameter(name).scale.to_input  # whose keys are placed
+            reach = np.ptp([to_input(each[name]) for each in before], axis=0).max()
+            assert np.abs(to_input(value) - to_input(expected[name])).max() <= 1.01e-3 * reach + 1e-6
 
 
 def test_baking_keeps_what_an_artist_changed_in_a_ramp(blender):

@@ -123,7 +123,8 @@ def rounding_of(preset, play):
     A value rounds in its key and in the sum and product that make it, 4 times 2^-24 of itself; an age rounds in the
     product and quotient that make it, 4 times 2^-24 of itself, which the steepest piece at that age makes a value of.
     D has at most 10 times the relative error of its slope where it is not next to 0: d ln D / d ln m is
-    2 tan^2 / m^2 - 2, and tan^2 < 6 m^2; and m is the square of its input. All parameters add up; f is no more than proportional to the others.
+    2 tan^2 / m^2 - 2, and tan^2 < 6 m^2; and m is the square of its input. All parameters add up; f is no more than
+    proportional to the others.
     """
     total = 0.0
     for name, keys in course.keyframes(preset.trajectory(), play).items():

@@ -31,7 +31,7 @@ class Recorder:
 
 
 def drawn(extension, kind):
-    """What a panel shows."""
+    """What a panel shows; nothing where it is not shown itself. Of other editors without their spaces."""
     context = SimpleNamespace(
         scene=extension.context.scene,
         region=SimpleNamespace(width=280),
@@ -40,5 +40,7 @@ def drawn(extension, kind):
         selected_objects=extension.context.selected_objects,
     )
     layout = Recorder()
+    if kind.bl_space_type == "VIEW_3D" and hasattr(kind, "poll") and not kind.poll(context):
+        return layout
     kind.draw(SimpleNamespace(layout=layout), context)
     return layout

@@ -279,7 +279,7 @@ def test_an_age_of_one_key_is_baked(extension, rusting, left, interpolation):
     for point in curve.keyframe_points:
         point.interpolation = interpolation
     assert run(extension, "course_bake") == {"FINISHED"}
-    assert material.parameter_sockets(made)["m"].default_value == pytest.approx(0.0645)
+    assert material.origin_of(made).preset.m == pytest.approx(0.0645, rel=1e-5)
 
 
 def test_what_was_taken_out_of_a_trajectory_is_refused_in_words(extension, rusting, own_folder):

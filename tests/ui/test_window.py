@@ -7,7 +7,7 @@ import vgroove
 from vgroove import headless
 from vgroove.addon.blender import material
 
-from .panel import Recorder, drawn
+from .panel import drawn
 
 pytestmark = pytest.mark.blender
 
@@ -49,7 +49,7 @@ def test_a_failure_half_way_leaves_nothing_behind(blender, monkeypatch):
 
 def test_everything_in_the_panel_has_a_tooltip(extension):
     """Properties, their choices and the operators say what they do."""
-    from vgroove.addon.ui import operators, preferences, properties
+    from vgroove.addon.ui import preferences, properties
 
     for kind in (properties.VGrooveSettings, preferences.VGroovePreferences):
         for name in kind.__annotations__:
@@ -58,7 +58,7 @@ def test_everything_in_the_panel_has_a_tooltip(extension):
     items = [properties.BACKENDS, properties.ESTIMATORS, properties.QUALITIES]
     items += [properties.family_items(settings, None), properties.shown_items(settings, None)]
     assert all(item[2] for of in items for item in of)
-    for operator in (*operators.CLASSES, *preferences.CLASSES[:1]):
+    for operator in operators():
         family, name = operator.bl_idname.split(".")
         kind = getattr(getattr(extension.ops, family), name).get_rna_type()
         assert kind.description == operator.bl_description
@@ -67,44 +67,35 @@ def test_everything_in_the_panel_has_a_tooltip(extension):
             assert one.description or hidden, (operator, one.identifier)
 
 
+def operators():
+    """Every operator's class."""
+    from vgroove.addon import ui
+
+    found = [one for of in ui.WITH_CLASSES for one in of.CLASSES if hasattr(one, "execute")]
+    assert len(found) >= 19
+    return found
+
+
 def test_what_changes_the_file_is_undone(extension):
     """And what does not makes no step to undo."""
-    from vgroove.addon.ui import operators
-
-    change = {
-        "vgroove.apply",
-        "vgroove.update",
-        "vgroove.mend",
-        "vgroove.reset",
-        "vgroove.save_preset",
-        "vgroove.import_preset",
-    }
-    assert {one.bl_idname for one in operators.CLASSES if "UNDO" in one.bl_options} == change
+    unchanged = {"favourite", "copy_citation", "delete_preset", "export_preset", "asset_library"}
+    assert {one.bl_idname.split(".")[1] for one in operators() if "UNDO" not in one.bl_options} == unchanged
 
 
 FILE_SELECTOR = {"filepath", "check_existing"}
 
 
 def test_the_panels_draw(extension):
-    """Both panels draw with the choices, the source and the advice."""
-    from types import SimpleNamespace
-
+    """With the choices, the source and the advice, in each of the editors."""
     from vgroove.addon.ui import panels
 
-    context = SimpleNamespace(
-        scene=extension.context.scene,
-        region=SimpleNamespace(width=280),
-        preferences=extension.context.preferences,
-        object=extension.context.object,
-    )
     with headless.quiet():
         extension.ops.vgroove.apply()
     extension.context.scene.render.engine = "BLENDER_WORKBENCH"
     for kind in panels.CLASSES:
-        layout = Recorder()
-        kind.draw(SimpleNamespace(layout=layout), context)
-        assert layout.texts
-        assert layout.buttons
+        layout = drawn(extension, kind)
+        assert layout.texts or layout.props, kind
+        assert layout.buttons or kind is panels.VGROOVE_PT_published
 
 
 def test_panels_read_the_scene_once_per_change(extension, monkeypatch):
