@@ -13,6 +13,7 @@ from ...addon.blender import course as changes
 from ...addon.blender import fcurves, gonio
 from ...addon.blender.course import Play
 from ...addon.library.presets import parse
+from ...addon.models import parameter
 from ...addon.reference import (
     Conductor,
     CookTorrance,
@@ -122,7 +123,7 @@ def course(law: str, driving: str, rate: float, setup: Setup) -> Seen:
         )
     off = 0.0
     for image, frame in zip(images, frames, strict=True):
-        m = float(keys["m"].law()(np.array((frame - 1.0) / FRAMES)))
+        m = float(parameter("m").scale.of_input(keys["m"].law()(np.array((frame - 1.0) / FRAMES))))
         expected = rendered(CookTorrance(m, Schlick(1.0)), "direct")(geometry.wi(), geometry.wo())
         off = max(off, float(np.max(np.abs(image - expected)) / np.max(expected)))
     nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES

@@ -191,7 +191,8 @@ def principled(**values):
 def test_converted_materials_send_back_what_principled_did(balls, identity, values, estimator):
     """The mean of a ball below a white sky within 2 %, where the models agree: smooth metals, and Lambert.
 
-    Of the roughest point, 0.3, the V-groove loses 0.4 % of a white sky and Principled nothing; chalk is taken smooth.
+    At the roughest point, m = 0.09, the V-groove loses under 0.04 % of a white sky up to 60 degrees of view and 5 % at
+    80, and Principled nothing; chalk is taken smooth.
     """
     preset = presets.find(identity)
     preset = preset.with_parameters(sigma=0.0) if "sigma" in preset.parameters else preset
