@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from ..addon.models import Parameter
     from ._tree import Tree, Value
 
+TO_INPUT = "vgroove_to_input"  # custom property of a group that turns a parameter into what its input takes
+
 
 def add_input(tree: Tree, of: Parameter, *, native: bool = False, prefix: str = "", tip: str = "") -> Value:
     """A parameter, of the artist's input for it, held to its range; ``native``: to what Cycles' closures take."""
@@ -45,7 +47,9 @@ def to_input(name: str) -> bpy.types.ShaderNodeTree:
         value = tree.input_float(of.symbol, 0.3, low=of.low, high=of.high, tip=of.tip, held=True)
         tree.output_float(of.label, of.scale.to_input(value), tip=of.tip)
 
-    return ensure(f".VGroove {of.symbol} to {of.label}", 1, build)
+    group = ensure(f".VGroove {of.symbol} to {of.label}", 1, build)
+    group[TO_INPUT] = name
+    return group
 
 
 def renamed(model: str, part: str) -> dict[str, str]:

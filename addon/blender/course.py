@@ -16,10 +16,11 @@ import numpy as np
 
 from ... import nodegroups
 from ...nodegroups import trajectory as trajectory_group
+from ...nodegroups.parameters import TO_INPUT
 from ...nodegroups.trajectory import AGE, OFFSET, RATE
 from ..library.errors import InputError
 from ..library.timeline import plain
-from ..models import parameter
+from ..models import PLAIN, parameter, symbol
 from ..reference.keyframes import TOLERANCE, TOLERANCES, Keyframes, place_keys
 from ..reference.trajectory import Keys, Trajectory, local_age
 from . import fcurves, roles
@@ -212,7 +213,7 @@ def bake(material: Material, sockets: Mapping[str, NodeSocket]) -> None:
         )
         raise AnimationError(message)
     held = _read_keys(node, sockets)
-    fed = {name for name, one in sockets.items() if any(link.from_node == node for link in one.links)}
+    fed = {name for name, one in sockets.items() if _feeds(node, one)}
     if missing := fed - set(held):
         what = ", ".join(sorted(missing))
         message = (
@@ -231,11 +232,25 @@ def _read_keys(node: Node, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyfr
     found = {}
     by_label = trajectory_group.keys_of(node.node_tree)
     for name, socket in sockets.items():
-        if (label := nodegroups.name_of(socket)) in by_label:
-            ages, values = (np.array(part) for part in zip(*by_label[label], strict=True))
+        label, old = nodegroups.name_of(socket), symbol(name)  # of older files, which hold the parameter itself
+        if label in by_label or old in by_label:
+            played = by_label.get(label) or by_label[old]
+            ages, values = (np.array(part) for part in zip(*played, strict=True))
             last = np.append(np.diff(ages) > 0.0, [True])
-            found[name] = Keyframes(ages[last], values[last])
+            to_input = scale_of(name, socket).to_input if label not in by_label else PLAIN.to_input
+            found[name] = Keyframes(ages[last], to_input(values[last]))
     return found
+
+
+def _feeds(node: Node, socket: NodeSocket) -> bool:
+    """Whether a trajectory's node feeds an input, of older files through a converter."""
+    sources = [link.from_node for link in socket.links]
+    return node in sources or any(node == link.from_node for of in sources if _converts(of)
+                                  for link in of.inputs[0].links)  # fmt: skip
+
+
+def _converts(node: Node) -> bool:
+    return node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None and TO_INPUT in node.node_tree
 
 
 def _clock(node: Node, age: ArrayLike) -> NDArray[np.float64]:
@@ -346,5 +361,8 @@ def _drop_trajectory(material: Material, node: Node) -> None:
     """The node and the curve of its Age, and its group and texts where nothing else uses them."""
     group = node.node_tree
     fcurves.remove_curves(material, curves_of(material, ()))
+    for one in {link.to_node for socket in node.outputs for link in socket.links}:
+        if _converts(one):
+            material.node_tree.nodes.remove(one)
     material.node_tree.nodes.remove(node)
     nodegroups.remove_unused(group)

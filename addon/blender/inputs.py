@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from ..reference.trajectory import Law
 
-DIGITS = 6  # a float32 holds 7.2, and the scales at most double its error
+DIGITS = 6  # a float32 holds 7.2, of which a scale may cost one
 
 
 def scale_of(name: str, socket: NodeSocket) -> Scale:
@@ -33,7 +33,10 @@ def value_of(name: str, socket: NodeSocket) -> float | tuple[float, ...]:
     if isinstance(value, Iterable):
         return tuple(value)[:3]
     scale = scale_of(name, socket)
-    return value if scale is PLAIN else float(f"{scale.of_input(value):.{DIGITS}g}")
+    if scale is PLAIN:
+        return float(value)
+    of = parameter(name)
+    return min(max(float(f"{scale.of_input(value):.{DIGITS}g}"), of.low), of.high)
 
 
 def give(name: str, socket: NodeSocket, value: Any) -> None:

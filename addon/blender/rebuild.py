@@ -15,10 +15,12 @@ import bpy
 
 from ... import nodegroups
 from ...nodegroups import eevee, parameters
-from ..models import label, parameter
+from ..models import label, parameter, symbol
 from ..reference import cycles
+from ..reference.keyframes import Keyframes, place_keys
+from ..reference.trajectory import Trajectory
 from . import colour_space, colour_update, course, fcurves, material, origin, roles
-from .inputs import DIGITS, give, scale_of
+from .inputs import DIGITS, Converted, give, scale_of
 from .material import Choice, lamps_to_bind
 
 if TYPE_CHECKING:
@@ -205,8 +207,10 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree, preset: Preset) -> 
         return []
     fcurves.make_own(made)
     tree, before = made.node_tree, _by_present_name(made, node, preset)
-    scaled = {label(preset.model, name): name for name, socket in material.parameter_sockets(made).items()
+    sockets = material.parameter_sockets(made)
+    scaled = {label(preset.model, name): name for name, socket in sockets.items()
               if scale_of(name, socket) is not parameter(name).scale}  # fmt: skip
+    played = course.courses(made, sockets) if scaled and roles.node(made, roles.TRAJECTORY) is None else {}
     kept = {name: _Input(socket, scaled.get(name, "")) for name, socket in before.items()}
     outputs = [(socket.name, [link.to_socket for link in socket.links]) for socket in node.outputs]
     places = list(node.inputs)
@@ -221,13 +225,15 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree, preset: Preset) -> 
     where = {name: socket.path_from_id() for name, socket in after.items()}
     lost = {path.name for path in paths if not path.lead_to(where.get(path.name, ""))}
     lost |= {name for name, one in kept.items() if one.sources and name not in after}
-    for path in paths:
-        if path.name in scaled:
-            path.convert(scaled[path.name])
+    driven = {path.name for path in paths if path.name in scaled and path.drives}
+    keys = {name: _of_input(name, played[name]) for name in scaled.values() if name in played}
+    if keys:
+        course.replace_curves(made, material.parameter_sockets(made), keys)
     for name, targets in outputs:
         for target in targets:
             tree.links.new(node.outputs.get(name) or node.outputs[0], target)
-    return [f"{name} has no input any more; what was on it is gone" for name in sorted(lost)]
+    said = [f"{name} has no input any more; what was on it is gone" for name in sorted(lost)]
+    return said + [f"{name} keeps its driver, which gave {symbol(scaled[name])}: change it" for name in sorted(driven)]
 
 
 def _by_present_name(made: Material, node: Node, preset: Preset) -> dict[str, NodeSocket]:
@@ -319,12 +325,16 @@ class _Path:
             self.among.remove(self.owner)
         return bool(place)
 
-    def convert(self, name: str) -> None:
-        """Have the keys of an F-curve give what the input of parameter ``name`` holds."""
-        to_input = parameter(name).scale.to_input
-        for point in getattr(self.owner, "keyframe_points", ()):
-            for place in (point.co, point.handle_left, point.handle_right):
-                place.y = to_input(parameter(name).held(max(place.y, 0.0)))
+    @property
+    def drives(self) -> bool:
+        """Whether it is a driver's curve."""
+        return getattr(self.owner, "driver", None) is not None
+
+
+def _of_input(name: str, keys: Keyframes) -> Keyframes:
+    """Keys of a parameter as its input holds it; what is straight in the one is not in the other."""
+    law = Converted(keys.law(), parameter(name).scale.to_input)
+    return place_keys(Trajectory({name: law}, float(keys.times[0]), float(keys.times[-1])), name)
 
 
 def _paths_to(made: Material, node: Node, names: dict[int, str]) -> list[_Path]:

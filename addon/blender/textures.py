@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ...nodegroups import versions
-from ..models import fresnel, label
+from ...nodegroups import REVISION_KEY, versions
+from ..models import MODELS, fresnel, label
 from ..reference.fresnel import F82_COSINE, schlick
+from . import fcurves, origin, roles
 from . import material as building
-from . import origin, roles
 from .reading import state_of
 
 if TYPE_CHECKING:
@@ -27,72 +27,106 @@ if TYPE_CHECKING:
     from .choice import Choice
 
 # Inputs of Blender's shaders that mean the same as an input of ours, by our names.
-COATED = {"Diffuse Roughness": "Diffuse Roughness", "IOR": "IOR", "Subsurface Radius": "Subsurface Radius"}
 PLAIN = {"Base Color": "Color", "Roughness": "Roughness", "Normal": "Normal"}
 SHADERS: dict[str, dict[str, str]] = {
-    "ShaderNodeBsdfPrincipled": {"Base Color": "Base Color", "Roughness": "Roughness", "Normal": "Normal", **COATED},
-    "ShaderNodeBsdfMetallic": {
-        "Base Color": "Base Color", "Edge Tint": "Edge Tint", "Roughness": "Roughness", "Normal": "Normal",
+    "ShaderNodeBsdfPrincipled": {
+        name: name for name in ("Base Color", "Roughness", "Diffuse Roughness", "IOR", "Normal")
     },
+    "ShaderNodeBsdfMetallic": {name: name for name in ("Base Color", "Edge Tint", "Roughness", "Normal")},
     "ShaderNodeBsdfAnisotropic": PLAIN,
     "ShaderNodeBsdfDiffuse": PLAIN,
     "ShaderNodeBsdfGlass": {"IOR": "IOR", **PLAIN},
     "ShaderNodeBsdfSheen": PLAIN,
-}  # fmt: skip
+}
 ALPHA, EMISSION, STRENGTH = "Alpha", "Emission Color", "Emission Strength"  # of Principled, which no model of ours has
+GLOW, CLEAR = "glow", "clear"  # roles of the nodes that stand for them beside our model
+OURS = {label(model, one.name) for model, spec in MODELS.items() for one in spec.parameters} | {"Normal"}
+OURS |= {one.label for kind in fresnel.KINDS.values() for one in kind.parameters}
 
 
 @dataclass
 class Textures:
     """What feeds a shader: the output sockets that are linked, by names of our inputs, and what there is besides.
 
-    alpha: the share of light that the surface takes, and whether the socket gives what is let through instead.
-    emission: colour and strength, as sockets or, where nothing is linked, as values. lost: what ours have no input for.
+    alpha: the share of light that the surface takes; inverse: alpha is what it lets through instead.
+    emission: colour and strength. Each a socket, or a value. lost: what ours have no input for.
     """
 
     inputs: dict[str, NodeSocket] = field(default_factory=dict)
-    alpha: tuple[NodeSocket, bool] | None = None
+    alpha: NodeSocket | float = 1.0
+    inverse: bool = False
     emission: tuple[NodeSocket | tuple[float, ...], NodeSocket | float] | None = None
     displacement: NodeSocket | None = None
     lost: list[str] = field(default_factory=list)
 
     def __bool__(self) -> bool:
-        return bool(self.inputs or self.alpha or self.emission or self.displacement)
+        """Whether anything comes from a texture."""
+        return any(True for _ in self.sources())
+
+    def sources(self) -> Iterator[NodeSocket]:
+        """Everything that is linked."""
+        found = (*self.inputs.values(), self.alpha, *(self.emission or ()), self.displacement)
+        yield from (one for one in found if isinstance(one, bpy.types.NodeSocket))
+
+    def drop(self, is_gone: Callable[[NodeSocket], bool]) -> None:
+        """Forget what comes from nodes that go."""
+        for name in [name for name, one in self.inputs.items() if is_gone(one)]:
+            del self.inputs[name]
+            self.lost.append(f"{name}, which a shader feeds")
+        if self.displacement is not None and is_gone(self.displacement):
+            self.displacement = None
+            self.lost.append("Displacement, which a shader feeds")
+        if isinstance(self.alpha, bpy.types.NodeSocket) and is_gone(self.alpha):
+            self.alpha, self.inverse = 1.0, False
+            self.lost.append("Alpha, which a shader feeds")
+        if any(isinstance(one, bpy.types.NodeSocket) and is_gone(one) for one in self.emission or ()):
+            self.emission = None
+            self.lost.append("Emission, which a shader feeds")
 
 
 def read(made: Material | None) -> Textures:
     """The textures of a material's first shader that we know, or of our model; none where there is no such shader."""
     tree = versions.used_nodes(made) if made is not None else None
-    output = tree.get_output_node("CYCLES") if tree is not None else None
+    outputs = [tree.get_output_node(target) for target in ("CYCLES", "EEVEE")] if tree is not None else []
+    output = next((one for one in outputs if one is not None), None)
     found = Textures()
     if output is None:
         return found
-    found.displacement = _source(output.inputs["Displacement"])
     shader = _shader(output.inputs["Surface"], found)
     if shader is None:
         return Textures()
-    known = SHADERS.get(shader.bl_idname)
-    ours = known is None  # a group, whose inputs are ours
-    names = {socket.name: socket.name for socket in shader.inputs} if ours else known
+    found.displacement = _source(output.inputs["Displacement"])
+    if output.inputs["Volume"].is_linked and not roles.nodes(made, roles.ABSORPTION):
+        found.lost.append("Volume")
+    names = SHADERS.get(shader.bl_idname) or {one.name: one.name for one in shader.inputs if _is_of_ours(one)}
     taken = set()
-    for name, theirs in (names or {}).items():
+    for name, theirs in names.items():
         socket = shader.inputs.get(theirs)  # versions of Blender differ in what a shader has
-        if socket is not None and (source := _source(socket)) is not None:
+        source = None if socket is None else _source(socket)
+        if source is not None and roles.role_of(source.node) != roles.TRAJECTORY:
             found.inputs[name] = source
             taken.add(theirs)
     if shader.bl_idname == "ShaderNodeBsdfPrincipled":
         taken |= _read_principled(shader, found)
-    unknown = [one.name for one in shader.inputs if one.is_linked and one.name not in taken]
-    found.lost += [f"{shader.bl_label}: {name}" for name in dict.fromkeys(unknown) if not ours]
+    if shader.bl_idname in SHADERS:
+        unknown = [one.name for one in shader.inputs if one.is_linked and one.name not in taken]
+        found.lost += [f"{shader.bl_label}: {name}" for name in dict.fromkeys(unknown)]
     return found
+
+
+def _is_of_ours(socket: NodeSocket) -> bool:
+    """Whether an input of one of our models takes a texture: not what lights are bound to."""
+    lobe = socket.name.split(" ", 2)
+    return (lobe[2] if lobe[0] == "Lobe" and len(lobe) > 2 else socket.name) in OURS
 
 
 def _read_principled(shader: Node, found: Textures) -> set[str]:
     """Alpha and emission; returns the inputs that were read."""
     alpha, color, strength = (shader.inputs[name] for name in (ALPHA, EMISSION, STRENGTH))
-    if (source := _source(alpha)) is not None:
-        found.alpha = source, False
-    if color.is_linked or strength.is_linked:
+    if alpha.is_linked or alpha.default_value < 1.0:
+        found.alpha, found.inverse = _source(alpha) or float(alpha.default_value), False
+    shines = strength.is_linked or strength.default_value > 0.0
+    if shines and (color.is_linked or any(tuple(color.default_value)[:3])):
         found.emission = _glow(color, strength)
     return {ALPHA, EMISSION, STRENGTH}
 
@@ -102,7 +136,25 @@ def _glow(color: NodeSocket, strength: NodeSocket) -> tuple[NodeSocket | tuple[f
 
 
 def _source(socket: NodeSocket) -> NodeSocket | None:
-    return next((link.from_socket for link in socket.links if not link.is_muted), None)
+    """What feeds an input, through reroutes and muted nodes."""
+    for _ in range(MOST_STEPS):
+        link = next((link for link in socket.links if not link.is_muted), None)
+        if link is None:
+            return None
+        node, source = link.from_node, link.from_socket
+        if node.bl_idname == "NodeReroute":
+            socket = node.inputs[0]
+        elif node.mute:
+            inner = next((one for one in node.internal_links if one.to_socket == source), None)
+            if inner is None:
+                return None
+            socket = inner.from_socket
+        else:
+            return source
+    return None
+
+
+MOST_STEPS = 1000  # of reroutes and muted nodes, which may go in a circle
 
 
 def _shader(socket: NodeSocket, found: Textures) -> Node | None:
@@ -111,13 +163,13 @@ def _shader(socket: NodeSocket, found: Textures) -> Node | None:
     if source is None:
         return None
     node = source.node
-    if node.bl_idname in SHADERS or roles.role_of(node) == roles.MODEL:
+    if node.bl_idname in SHADERS or _is_ours(node):
         return node
     if node.bl_idname == "ShaderNodeMixShader":
         factor, *sides = node.inputs
         clear = [_is(side, "ShaderNodeBsdfTransparent") for side in sides]
-        if any(clear) and (share := _source(factor)) is not None:
-            found.alpha = share, clear[1]
+        if clear[0] != clear[1]:
+            found.alpha, found.inverse = _source(factor) or float(factor.default_value), clear[1]
         shown = [side for side, is_clear in zip(sides, clear, strict=True) if not is_clear]
     elif node.bl_idname == "ShaderNodeAddShader":
         shown = [side for side in node.inputs if not _is(side, "ShaderNodeEmission")]
@@ -125,11 +177,20 @@ def _shader(socket: NodeSocket, found: Textures) -> Node | None:
             if (glow := _source(side)) is not None and _is(side, "ShaderNodeEmission"):
                 found.emission = _glow(glow.node.inputs["Color"], glow.node.inputs["Strength"])
     else:
-        shown = [one for one in node.inputs if one.type == "SHADER"]
-    candidates = [one for side in shown if (one := _shader(side, found)) is not None]
-    if len(candidates) > 1:
-        found.lost.append(f"{candidates[1].bl_label}, mixed in")
-    return next(iter(candidates), None)
+        return None
+    sides = [(_shader(side, found), _source(side)) for side in shown]
+    known = [shader for shader, _ in sides if shader is not None]
+    found.lost += [f"{one.bl_label}, which is mixed in" for one in known[1:]]
+    found.lost += [f"{of.node.bl_label}, which is mixed in" for one, of in sides if one is None and of is not None]
+    return next(iter(known), None)
+
+
+def _is_ours(node: Node) -> bool:
+    """Whether it is a model of ours, of a preset or by itself."""
+    return (
+        node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None and REVISION_KEY in node.node_tree
+        and any(one.type == "SHADER" for one in node.outputs) and "Normal" in node.inputs
+    )  # fmt: skip
 
 
 def _is(socket: NodeSocket, kind: str) -> bool:
@@ -141,7 +202,10 @@ def _is(socket: NodeSocket, kind: str) -> bool:
 
 
 def taking_colour(preset: Preset) -> Preset:
-    """The preset with an input for a colour: a metal by n and k as F82 that is equal head-on and at 82 degrees."""
+    """The preset with an input for a colour: a metal by n and k as F82 that is equal head-on and at 82 degrees.
+
+    It stands still, as what a texture gives does.
+    """
     if preset.kind != "conductor" or any(label(preset.model, name) == "Base Color" for name in preset.parameters):
         return preset
     F = fresnel.reference(preset)
@@ -157,16 +221,24 @@ def build(preset: Preset, choice: Choice, source: Material) -> tuple[Material, l
 
     ``source`` stays as it is. Raises MaterialError as ``material.build``.
     """
+    wanted = preset
     if "Base Color" in read(source).inputs:
         preset = taking_colour(preset)
+    if choice.play is not None and preset.time is None:
+        choice = replace(choice, play=None)
     record, group = building.record_of(preset, choice), building.group_of(preset, choice)
     made = source.copy()
+    if made.override_library is not None:  # the copy of an override is one too
+        made.make_local(clear_liboverride=True)
     made.name = preset.name
     try:
+        fcurves.make_own(made)
         found = read(made)
-        _clear_shaders(made)
+        found.lost += ["its change over time"] * (wanted.time is not None and preset.time is None)
+        _clear_shaders(made, found)
         building.fill(made, preset, choice, group, keep_nodes=True)
         origin.write(made, record)
+        building.animate(made, record)
         origin.write(made, replace(record, state=state_of(made)))
         return made, found.lost + give(made, found)
     except Exception:
@@ -174,21 +246,27 @@ def build(preset: Preset, choice: Choice, source: Material) -> tuple[Material, l
         raise
 
 
-def _clear_shaders(made: Material) -> None:
+def _clear_shaders(made: Material, found: Textures) -> None:
     """Remove what gives or takes a shader, and what an earlier material of ours had besides."""
-    if roles.KEY in made:
+    if origin.read(made) is not None:
         building.stop(made)
     tree = made.node_tree
-    for node in list(tree.nodes):
-        sockets = (*node.inputs, *node.outputs)
-        if roles.role_of(node) or any(one.type == "SHADER" for one in sockets):
-            tree.nodes.remove(node)
+    gone = {
+        node.name for node in tree.nodes
+        if roles.role_of(node) or any(one.type == "SHADER" for one in (*node.inputs, *node.outputs))
+    }  # fmt: skip
+    found.drop(lambda socket: socket.node.name in gone)
+    moving = len(bag.fcurves) if (bag := fcurves.channelbag(made)) else 0
+    for name in gone:
+        tree.nodes.remove(tree.nodes[name])
+    if bag is not None and len(bag.fcurves) < moving:
+        found.lost.append("keys of what was typed in")
 
 
 def give(made: Material, found: Textures) -> list[str]:
     """Link textures to the inputs of a material of ours; returns those that it has no input for."""
     tree, node = made.node_tree, roles.node(made, roles.MODEL)
-    assert node is not None  # noqa: S101 - it was made just now
+    assert node is not None  # noqa: S101 - whoever calls saw to it
     lost = []
     for name, source in found.inputs.items():
         socket = node.inputs.get(name)
@@ -197,13 +275,25 @@ def give(made: Material, found: Textures) -> list[str]:
         else:
             tree.links.new(source, socket)
     if found.emission:
-        _wrap(made, lambda shader: _glowing(tree, shader, *found.emission))  # type: ignore[misc]
-    if found.alpha:
-        _wrap(made, lambda shader: _see_through(tree, shader, *found.alpha))  # type: ignore[misc]
-    for output in _outputs(made):
-        if found.displacement:
-            tree.links.new(found.displacement, output.inputs["Displacement"])
+        for name, value in zip(("Color", "Strength"), found.emission, strict=True):
+            _feed(tree, value, [one.inputs[name] for one in _beside(made, GLOW)])
+    if found.alpha != 1.0:
+        mixes = [link.to_node for one in _beside(made, CLEAR) for link in one.outputs[0].links]
+        _feed(tree, found.alpha, [one.inputs[0] for one in mixes])
+        if found.inverse:
+            for mix in mixes:
+                _exchange(tree, mix)
+    for output in _outputs(made) if found.displacement else ():
+        tree.links.new(found.displacement, output.inputs["Displacement"])
     return lost
+
+
+def _feed(tree: ShaderNodeTree, value: NodeSocket | tuple[float, ...] | float, sockets: list[NodeSocket]) -> None:
+    for socket in sockets:
+        if isinstance(value, bpy.types.NodeSocket):
+            tree.links.new(value, socket)
+        else:
+            socket.default_value = value
 
 
 def _outputs(made: Material) -> Iterator[Node]:
@@ -211,31 +301,25 @@ def _outputs(made: Material) -> Iterator[Node]:
         yield from roles.nodes(made, role)
 
 
-def _wrap(made: Material, around: Callable[[NodeSocket], NodeSocket]) -> None:
-    """Put nodes between the surface and each output."""
-    for output in _outputs(made):
-        surface = output.inputs["Surface"]
-        made.node_tree.links.new(around(surface.links[0].from_socket), surface)
+def _beside(made: Material, role: str) -> list[Node]:
+    """The Emission that is added to the surface, or the Transparent that it is mixed with, for each output."""
+    if not roles.nodes(made, role):
+        kinds = {GLOW: ("ShaderNodeEmission", "ShaderNodeAddShader"),
+                 CLEAR: ("ShaderNodeBsdfTransparent", "ShaderNodeMixShader")}  # fmt: skip
+        tree = made.node_tree
+        for output in _outputs(made):
+            more, both = map(tree.nodes.new, kinds[role])
+            more[roles.KEY] = role
+            surface, sides = output.inputs["Surface"], both.inputs[-2:]
+            shader = surface.links[0].from_socket
+            for source, side in zip((more.outputs[0], shader), sides, strict=True):
+                tree.links.new(source, side)
+            tree.links.new(both.outputs[0], surface)
+    return roles.nodes(made, role)
 
 
-def _glowing(
-    tree: ShaderNodeTree, shader: NodeSocket, color: NodeSocket | tuple[float, ...], strength: NodeSocket | float
-) -> NodeSocket:
-    glow, both = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeAddShader")
-    for value, name in ((color, "Color"), (strength, "Strength")):
-        if isinstance(value, bpy.types.NodeSocket):
-            tree.links.new(value, glow.inputs[name])
-        else:
-            glow.inputs[name].default_value = value
-    tree.links.new(shader, both.inputs[0])
-    tree.links.new(glow.outputs[0], both.inputs[1])
-    return both.outputs[0]
-
-
-def _see_through(tree: ShaderNodeTree, shader: NodeSocket, alpha: NodeSocket, inverse: bool) -> NodeSocket:  # noqa: FBT001
-    clear, mix = tree.nodes.new("ShaderNodeBsdfTransparent"), tree.nodes.new("ShaderNodeMixShader")
-    sides = (shader, clear.outputs[0]) if inverse else (clear.outputs[0], shader)
-    tree.links.new(alpha, mix.inputs[0])
-    for side, socket in zip(sides, mix.inputs[1:], strict=True):
-        tree.links.new(side, socket)
-    return mix.outputs[0]
+def _exchange(tree: ShaderNodeTree, mix: Node) -> None:
+    """The two sides of a mix, each in the other's place."""
+    sources = [side.links[0].from_socket for side in mix.inputs[1:]]
+    for source, side in zip(reversed(sources), mix.inputs[1:], strict=True):
+        tree.links.new(source, side)

@@ -106,7 +106,7 @@ def rename(preset: Preset, name: str, folder: Path) -> Preset:
     if path is None:
         message = f"{preset.id} ships with vgroove and keeps its name; save a copy as your own"
         raise PresetError(message)
-    renamed = save(replace(preset, name=name), folder, overwrite=path.stem == file_name(name))
+    renamed = save(replace(preset, name=name), folder, overwrite=path == folder / f"{file_name(name)}.toml")
     if own_file(renamed, folder) != path:
         path.unlink()
         presets.reread()

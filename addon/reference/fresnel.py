@@ -140,19 +140,26 @@ def head_on_and_edge(n: ArrayLike, k: ArrayLike) -> tuple[Floats, Floats]:
     return r, np.where(most > least, np.clip((most - n) / np.where(most > least, most - least, 1.0), 0.0, 1.0), 0.0)
 
 
-def conductor_of(r: ArrayLike, g: ArrayLike) -> tuple[Floats, Floats]:
+def conductor_of(r: ArrayLike, g: ArrayLike, most: float = np.inf) -> tuple[Floats, Floats]:
     """n and k of ``head_on_and_edge``: k^2 = (r (n + 1)^2 - (n - 1)^2) / (1 - r).
 
-    r, g in [0, 1], scalar or RGB, ValueError otherwise; r is held to HIGHEST_HEAD_ON.
+    All n, k of one r lie on a circle about n = c = (1 + r) / (1 - r), of radius sqrt(c^2 - 1). Where n or k would be
+    more than ``most``, another point of the circle is taken, where they are not: r stays, and g does not.
+
+    r, g in [0, 1], scalar or RGB, ValueError otherwise; r is held to HIGHEST_HEAD_ON. most: at least 1.
 
     >>> n, k = conductor_of(*head_on_and_edge(0.2, 3.9))
     >>> round(float(n), 9), round(float(k), 9)
     (0.2, 3.9)
     """
     r, g = np.minimum(as_range(r, "r", 0.0, 1.0), HIGHEST_HEAD_ON), as_range(g, "g", 0.0, 1.0)
-    least, most = _indices_of(r)
-    n = g * least + (1.0 - g) * most
-    return n, np.sqrt(np.maximum((r * (n + 1.0) ** 2 - (n - 1.0) ** 2) / (1.0 - r), 0.0))
+    least, greatest = _indices_of(r)
+    n = np.minimum(g * least + (1.0 - g) * greatest, most)
+    k = np.sqrt(np.maximum((r * (n + 1.0) ** 2 - (n - 1.0) ** 2) / (1.0 - r), 0.0))
+    c = (1.0 + r) / (1.0 - r)
+    with np.errstate(invalid="ignore"):  # where k is not beyond
+        lower = (1.0 + most * most) / (c + np.sqrt(c * c - 1.0 - most * most))  # c - sqrt(...), without cancelling
+    return np.where(k > most, lower, n), np.minimum(k, most)
 
 
 def _indices_of(r: Floats) -> tuple[Floats, Floats]:

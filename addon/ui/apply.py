@@ -83,26 +83,34 @@ def _give(
     if slots.in_parts(context):
         slots.give_to_parts(material.build(preset, choice), context)
         return []
-    keep = context.scene.vgroove.keep_textures
-    textured = {item: item.active_material for item in items if keep and textures.read(item.active_material)}
-    lost = []
-    for source in dict.fromkeys(textured.values()):
-        new, missing = textures.build(preset, choice, source)
-        slots.apply(new, [item for item, one in textured.items() if one == source])
-        lost += [f"not carried over: {name}" for name in missing]
-    if plain := [item for item in items if item not in textured]:
-        slots.apply(material.build(preset, choice), plain)
+    keep, lost = context.scene.vgroove.keep_textures, []
+    before = {item: item.active_material for item in items}
+    news: dict[bpy.types.Material | None, bpy.types.Material] = {}  # all are built before anything is given
+    for source in dict.fromkeys(before.values()):
+        if keep and textures.read(source):
+            news[source], missing = textures.build(preset, choice, source)
+            lost += [f"not carried over: {name}" for name in missing]
+    if any(source not in news for source in before.values()):
+        news |= dict.fromkeys(set(before.values()) - set(news), material.build(preset, choice))
+    for source, new in news.items():
+        slots.apply(new, [item for item, one in before.items() if one == source])
     return lost
 
 
 def _is_of(item: bpy.types.Object, preset: presets.Preset) -> bool:
-    """Whether an object's active material was built from exactly this preset and can be changed in place."""
+    """Whether an object's active material was built from exactly this preset and can be changed in place.
+
+    Of a metal with a colour texture: from what took its place for that.
+    """
     made = item.active_material
     if made is None or not material.is_ours(made) or material.locked(made):
         return False
     known = material.preset_of(made)
     wanted = {"id", "name", "model", "kind", "coupled", "parameters"}
-    return all(getattr(known, name) == getattr(preset, name) for name in wanted)
+    return any(
+        all(getattr(known, name) == getattr(one, name) for name in wanted)
+        for one in (preset, textures.taking_colour(preset))
+    )
 
 
 CLASSES = (VGROOVE_OT_apply,)

@@ -40,6 +40,16 @@ def toggle_favourite(identity: str) -> bool:
     return liked
 
 
+def renamed(before: str, now: str) -> None:
+    """A favourite or recent preset has another id."""
+    found = preferences()
+    if found is not None:
+        for name in ("favourites", "recent"):
+            ids = getattr(found, name).split()
+            setattr(found, name, " ".join(now if one == before else one for one in ids))
+        bpy.context.preferences.is_dirty = True
+
+
 def used(identity: str) -> None:
     """Remember that a preset was applied."""
     found = preferences()

@@ -18,6 +18,7 @@ from ..reference.fresnel import conductor_of, head_on_and_edge
 if TYPE_CHECKING:
     from bpy.types import Material, NodeSocket
 
+DARKEST = 1e-3  # reflectance head-on, below which n and k tell nothing of the edge any more
 ALIKE = 1e-6  # numbers that differ by less in proportion are the same ones, rounded to float32
 
 
@@ -39,8 +40,11 @@ def _get_color(numbers: VGrooveNumbers) -> tuple[float, ...]:
 
 def _set_color(numbers: VGrooveNumbers, color: Any) -> None:
     held = sockets(numbers.id_data)
+    if not has_index(numbers.id_data):
+        return
     _, g = head_on_and_edge(*(value_of(name, held[name]) for name in "nk"))
-    for name, value in zip("nk", conductor_of(tuple(color), g), strict=True):
+    r = [max(channel, DARKEST) for channel in color]
+    for name, value in zip("nk", conductor_of(r, g, parameter("n").high), strict=True):
         give(name, held[name], tuple(value.tolist()))
 
 
@@ -60,7 +64,7 @@ def _get_measured(numbers: VGrooveNumbers) -> bool:
 
 
 def _set_measured(numbers: VGrooveNumbers, wanted: bool) -> None:  # noqa: FBT001 - Blender's setter
-    if wanted:
+    if wanted and has_index(numbers.id_data):
         for name, value in _measured(numbers.id_data).items():
             give(name, sockets(numbers.id_data)[name], value)
 
@@ -80,7 +84,7 @@ def _as_published(name: str, tip: str) -> Any:
     unit = "ROTATION" if of.unit == "rad" else "NONE"
     return bpy.props.FloatProperty(
         name=of.symbol, description=tip, min=of.low, max=of.high, soft_max=of.native_high or of.high, precision=4,
-        unit=unit, get=read, set=write,
+        unit=unit, options=set(), get=read, set=write,
     )  # fmt: skip
 
 
@@ -89,11 +93,11 @@ class VGrooveNumbers(bpy.types.PropertyGroup):
 
     color: bpy.props.FloatVectorProperty(
         name="Color", description="Colour that the metal reflects head-on. Editing it changes IOR and Extinction",
-        subtype="COLOR", size=3, min=0.0, max=1.0, get=_get_color, set=_set_color,
+        subtype="COLOR", size=3, min=0.0, max=1.0, options=set(), get=_get_color, set=_set_color,
     )  # fmt: skip
     measured: bpy.props.BoolProperty(
         name="Measured", description="IOR and Extinction are those of the preset. Turn on to restore them",
-        get=_get_measured, set=_set_measured,
+        options=set(), get=_get_measured, set=_set_measured,
     )  # fmt: skip
     m: _as_published("m", "RMS slope of the facets, as in Cook and Torrance: the square of Roughness")
     sigma: _as_published("sigma", "Standard deviation of the facets' tilt, as in Oren and Nayar")
@@ -104,7 +108,8 @@ def draw(layout: bpy.types.UILayout, made: Material) -> None:
     held = sockets(made)
     if has_index(made):
         layout.prop(made.vgroove_numbers, "color")
-        layout.prop(made.vgroove_numbers, "measured")
+        known = material.preset_of(made).source.get("colour", "")
+        layout.prop(made.vgroove_numbers, "measured", text=known.capitalize() or "As Preset")
     for name, socket in held.items():
         if name not in {"n", "k"} or not has_index(made):
             layout.prop(socket, "default_value", text=socket.name)

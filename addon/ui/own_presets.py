@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets of the user's own: saved, renamed, deleted, taken in and handed on."""
+"""Presets of the user's own: saved, renamed, deleted, imported and exported."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ..library import presets
 from ..library import writing as preset_files
 from ..library.errors import InputError
 from ..library.files import replacing
+from . import memory
 from .operators import ours, poll_ours
 from .properties import FIRST, chosen_preset, matching
 
@@ -35,7 +36,9 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}  # of the choice; the file stays
 
     name: bpy.props.StringProperty(name="Name", description="Name of the preset", maxlen=60)
-    overwrite: bpy.props.BoolProperty(name="Overwrite", description="Replace your preset of this name, if there is one")
+    overwrite: bpy.props.BoolProperty(
+        name="Overwrite", description="Replace your preset of this name, if there is one", options={"SKIP_SAVE"}
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -130,8 +133,12 @@ class VGROOVE_OT_rename_preset(bpy.types.Operator):
         return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        preset = chosen_preset(context.scene.vgroove)
-        return _save(self, context, lambda folder: preset_files.rename(preset, self.name, folder))
+        settings = context.scene.vgroove
+        preset = chosen_preset(settings)
+        done = _save(self, context, lambda folder: preset_files.rename(preset, self.name, folder))
+        if done == {"FINISHED"}:
+            memory.renamed(preset.id, settings.preset)
+        return done
 
 
 class VGROOVE_OT_delete_preset(bpy.types.Operator):

@@ -201,7 +201,9 @@ class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
 
 
 def _replaces_textures(context: bpy.types.Context) -> bool:
-    """Whether something selected has textures."""
+    """Whether something selected has textures; in Edit Mode faces get a material beside the others."""
+    if context.mode != "OBJECT":
+        return False
     items = context.selected_objects[:MOST_READ]
     return any(textures.read(one) for one in {item.active_material for item in items})
 

@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from vgroove.addon.blender import image_set, material, roles, textures
+from vgroove.addon.blender import fcurves, image_set, material, roles, shader_nodes, textures
+from vgroove.addon.blender.course import Play
 from vgroove.addon.blender.material import Choice
 from vgroove.addon.library import presets
 from vgroove.addon.reference.fresnel import F82_COSINE
@@ -81,6 +82,7 @@ def test_alpha_emission_and_displacement_stay(blender):
         "ShaderNodeBsdfPrincipled", colour="Base Color", leaf="Alpha", glow="Emission Color", metal="Metallic"
     )
     tree = source.node_tree
+    tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 2.0
     output = tree.get_output_node("CYCLES")
     feed(tree, output.inputs["Displacement"], "height")
     made, lost = textures.build(presets.find("plastics/abs_plastic"), CHOICE, source)
@@ -92,8 +94,10 @@ def test_alpha_emission_and_displacement_stay(blender):
             assert mix.inputs[0].links[0].from_node.label == "leaf"
             assert mix.inputs[1].links[0].from_node.bl_idname == "ShaderNodeBsdfTransparent"
             both = mix.inputs[2].links[0].from_node
-            assert both.inputs[1].links[0].from_node.inputs["Color"].links[0].from_node.label == "glow"
-            assert both.inputs[0].links[0].from_node == roles.node(made, roles.MODEL)
+            glow = both.inputs[0].links[0].from_node
+            assert glow.inputs["Color"].links[0].from_node.label == "glow"
+            assert glow.inputs["Strength"].default_value == 2.0
+            assert both.inputs[1].links[0].from_node == roles.node(made, roles.MODEL)
             assert out.inputs["Displacement"].links[0].from_node.label == "height"
     again, lost = textures.build(presets.find("diffuse/clay"), CHOICE, made)
     assert lost == []
@@ -111,6 +115,99 @@ def test_nothing_is_read_where_nothing_is_linked(blender):
     node = made.node_tree.nodes.new("ShaderNodeGroup")
     node.node_tree = blender.data.node_groups.new("Own", "ShaderNodeTree")
     assert not textures.read(made)
+
+
+def test_lights_courses_and_shaders_are_no_textures(blender):
+    """What a material of ours is bound to, what plays it, and what a shader that goes has fed."""
+    scene = blender.context.scene
+    scene.collection.objects.link(blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "SUN")))
+    gold = presets.find("metals/gold")
+    bound = material.build(gold, Choice("nodes", "corrected", material.lamps_to_bind(scene, "corrected")))
+    assert not textures.read(bound)
+    rusting = presets.find("time_varying/rusting_iron")
+    aged = material.build(rusting, Choice("nodes", "closure", play=Play("age")))
+    assert not textures.read(aged)
+    feed(aged.node_tree, roles.node(aged, roles.MODEL).inputs["Normal"], "bumps")
+    made, lost = textures.build(presets.find("diffuse/clay"), CHOICE, aged)
+    assert (sources(made), lost) == ({"Normal": "bumps"}, [])
+    source = textured("ShaderNodeBsdfPrincipled", bumps="Normal")
+    tree = source.node_tree
+    back = tree.nodes.new("ShaderNodeShaderToRGB")
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfDiffuse").outputs[0], back.inputs[0])
+    tree.links.new(back.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    made, lost = textures.build(presets.find("diffuse/clay"), CHOICE, source)
+    assert (sources(made), lost) == ({"Normal": "bumps"}, ["Base Color, which a shader feeds"])
+
+
+def test_a_preset_that_changes_plays_beside_the_textures(blender):
+    """What a texture feeds stands still; a metal that takes a colour does not change, and says so."""
+    source = textured("ShaderNodeBsdfPrincipled", colour="Base Color")
+    made, lost = textures.build(presets.find("time_varying/rusting_iron"), Choice(play=Play()), source)
+    assert lost == []
+    assert material.plays(made)
+    assert sources(made) == {"Base Color": "colour"}
+    steel = presets.find("time_varying/heat_tinted_steel")
+    if steel.kind == "conductor":
+        made, lost = textures.build(steel, Choice(play=Play()), source)
+        assert lost == ["its change over time"]
+        assert not material.plays(made)
+
+
+def test_keys_of_the_artists_material_stay_his(blender):
+    """Those of what was typed in go from the new one alone, which says so."""
+    source = textured("ShaderNodeBsdfPrincipled", colour="Base Color")
+    roughness = source.node_tree.nodes["Principled BSDF"].inputs["Roughness"]
+    roughness.keyframe_insert("default_value", frame=1)
+    made, lost = textures.build(presets.find("metals/copper"), CHOICE, source)
+    assert lost == ["keys of what was typed in"]
+    (curve,) = fcurves.channelbag(source).fcurves
+    assert curve.data_path == roughness.path_from_id("default_value")
+    assert made.node_tree.animation_data is None or not fcurves.channelbag(made).fcurves
+
+
+def test_reroutes_and_muted_nodes_are_seen_through(blender):
+    """Also an output for EEVEE alone, and an alpha without a texture."""
+    source = textured("ShaderNodeBsdfPrincipled", colour="Base Color")
+    tree = source.node_tree
+    shader, output = tree.nodes["Principled BSDF"], tree.get_output_node("ALL")
+    output.target = "EEVEE"
+    mix, reroute, clear = (
+        tree.nodes.new(kind) for kind in ("ShaderNodeMixShader", "NodeReroute", "ShaderNodeBsdfTransparent")
+    )
+    mix.inputs[0].default_value = 0.25
+    tree.links.new(shader.outputs[0], reroute.inputs[0])
+    tree.links.new(clear.outputs[0], mix.inputs[1])
+    tree.links.new(reroute.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    found = textures.read(source)
+    assert (found.inputs.keys(), found.alpha, found.inverse) == ({"Base Color"}, 0.25, False)
+    mix.mute = True  # Blender takes its first side then
+    assert not textures.read(source)
+    tree.links.new(reroute.outputs[0], mix.inputs[1])
+    assert textures.read(source).inputs.keys() == {"Base Color"}
+
+
+def test_other_shaders_are_named(blender):
+    """What is mixed in, and what fills the inside."""
+    source = textured("ShaderNodeBsdfPrincipled", colour="Base Color", radius="Subsurface Radius")
+    tree = source.node_tree
+    output, mix = tree.get_output_node("ALL"), tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(tree.nodes["Principled BSDF"].outputs[0], mix.inputs[1])
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfTranslucent").outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    tree.links.new(tree.nodes.new("ShaderNodeVolumeScatter").outputs[0], output.inputs["Volume"])
+    lost = textures.read(source).lost
+    assert lost == ["Translucent BSDF, which is mixed in", "Volume", "Principled BSDF: Subsurface Radius"]
+
+
+def test_a_node_of_a_model_by_itself_is_read_too(blender):
+    """As the Shader Editor's Add menu gives it."""
+    made = versions.empty_material("Own")
+    tree = made.node_tree
+    node, output = shader_nodes.add(tree, "metal"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    feed(tree, node.inputs["Base Color"], "colour")
+    assert sources(textures.build(presets.find("diffuse/clay"), CHOICE, made)[0]) == {"Base Color": "colour"}
 
 
 NAMES = {

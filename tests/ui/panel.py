@@ -38,6 +38,7 @@ def drawn(extension, kind):
         preferences=extension.context.preferences,
         object=extension.context.object,
         selected_objects=extension.context.selected_objects,
+        mode=extension.context.mode,
     )
     layout = Recorder()
     if kind.bl_space_type == "VIEW_3D" and hasattr(kind, "poll") and not kind.poll(context):

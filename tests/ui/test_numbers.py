@@ -29,8 +29,15 @@ def test_the_colour_of_a_metal_moves_its_index(extension):
     numbers.measured = True
     assert numbers.measured
     assert not material.is_edited(made)
-    numbers.color = (1.0, 1.0, 1.0)  # which has no n and k: held below
-    assert np.isfinite(material.origin_of(made).preset.parameters["k"]).all()
+    for color in ((1.0, 1.0, 1.0), (0.0, 0.5, 0.99)):  # the ends have no n and k: held within
+        numbers.color = color
+        now = material.origin_of(made).preset
+        assert now == now.with_parameters(m=now.m)  # in the range that files allow
+        np.testing.assert_allclose(now.reference_fresnel()(1.0), np.clip(color, 1e-3, 0.9999), rtol=1e-3)
+    noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
+    made.node_tree.links.new(noise.outputs["Color"], material.parameter_sockets(made)["n"])
+    numbers.color = (0.5, 0.5, 0.5)  # nothing to set
+    assert tuple(numbers.color) == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(("identity", "name", "value"), [("metals/copper", "m", 0.09), ("diffuse/clay", "sigma", 0.6)])
