@@ -24,7 +24,7 @@ from ..models import PLAIN, parameter, symbol
 from ..reference.keyframes import TOLERANCE, TOLERANCES, Keyframes, place_keys
 from ..reference.trajectory import Keys, Trajectory, local_age
 from . import fcurves, roles
-from .inputs import Converted, scale_of
+from .inputs import Converted, converted_keys, scale_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -237,8 +237,9 @@ def _read_keys(node: Node, sockets: Mapping[str, NodeSocket]) -> dict[str, Keyfr
             played = by_label.get(label) or by_label[old]
             ages, values = (np.array(part) for part in zip(*played, strict=True))
             last = np.append(np.diff(ages) > 0.0, [True])
-            to_input = scale_of(name, socket).to_input if label not in by_label else PLAIN.to_input
-            found[name] = Keyframes(ages[last], to_input(values[last]))
+            found[name] = Keyframes(ages[last], values[last])
+            if label not in by_label and scale_of(name, socket) is not PLAIN:
+                found[name] = converted_keys(name, found[name], scale_of(name, socket).to_input)
     return found
 
 

@@ -9,31 +9,37 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..library.errors import InputError
+from . import roles
 from .textures import Textures
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-    from bpy.types import Node, NodeSocket, ShaderNodeTree
+    from bpy.types import Image, Node, NodeSocket, ShaderNodeTree
 
-# The last of these words in a name says what a map is. Those of the last line have no input of ours.
+# The last of these words in a name says what a map is.
 WORDS = {
-    "Base Color": r"base_?colou?r|albedo|diff|diffuse|colou?r|col",
+    "Base Color": r"base_?colou?r|albedo|diff|diffuse|colou?r|col|bc",
+    "Packed": r"orm|arm|metallic_?roughness|occlusion_?roughness_?metallic",  # roughness in green, as glTF has it
     "Roughness": r"rough|roughness|rgh",
     "Glossiness": r"gloss|glossiness",
     "Normal": r"nor|norm|normal|nrm|normal_?gl|nor_gl|normal_?opengl",
-    "Normal DX": r"normal_?dx|nor_dx|normal_?directx",
+    "Normal DX": r"(?:nor|norm|normal|nrm)_?(?:dx|directx)",
     "Bump": r"bump|bmp",
     "Displacement": r"disp|displacement|height",
     "Alpha": r"alpha|opacity",
     "Emission Color": r"emission|emissive|emit",
     "Metallic": r"metal|metallic|metalness",
     "Ambient Occlusion": r"ao|occlusion|ambient_?occlusion",
+    "Specular": r"spec|specular",
+    "Mask": r"mask|id",
 }
-LEFT_OUT = ("Metallic", "Ambient Occlusion")
+LEFT_OUT = ("Metallic", "Ambient Occlusion", "Specular", "Mask")  # no model of ours has an input for them
 IN_COLOUR = ("Base Color", "Emission Color")  # the rest are data
 PICTURES = (".png", ".jpg", ".jpeg", ".exr", ".tif", ".tiff", ".tga", ".webp", ".bmp", ".hdr")
+UDIM = r"[._]1\d{3}$"  # the number of a tile ends the name
+SET = "set"  # role of the nodes that one set brings, and the next takes away
 HEIGHT = 0.05  # scene units between black and white, by eye
 
 
@@ -43,61 +49,108 @@ class ImageSetError(InputError):
 
 def kind_of(name: str) -> str:
     """What a map is by the name of its file; "" if that does not say. Of several words the last counts."""
-    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)
-    stem = "_" + re.sub(r"[^a-z0-9]+", "_", spaced.lower()) + "_"
+    stem = _spaced(name)
     found = [(match.end(), len(match[0]), kind)
              for kind, words in WORDS.items() for match in re.finditer(rf"(?<=_)(?:{words})(?=_)", stem)]  # fmt: skip
     return max(found)[2] if found else ""
 
 
+def _spaced(name: str) -> str:
+    """A name in small letters, each word between underscores."""
+    apart = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)
+    return "_" + re.sub(r"[^a-z0-9]+", "_", apart.lower()) + "_"
+
+
 def find(folder: Path) -> dict[str, Path]:
-    """The maps of a folder by kind, of several of one kind the first by name. ImageSetError if there is none."""
+    """The maps of a folder by kind; of several sets the largest, by what their names share. ImageSetError if none."""
     pictures = sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURES) if folder.is_dir() else []
-    found: dict[str, Path] = {}
+    sets: dict[str, dict[str, Path]] = {}
     for path in pictures:
         if kind := kind_of(path.stem):
-            found.setdefault(kind, path)
+            sets.setdefault(_set_of(path.stem, kind), {}).setdefault(kind, path)
+    found: dict[str, Path] = max(sets.values(), key=len, default={})
     if not found.keys() - set(LEFT_OUT):
-        message = (
-            f"{folder}: no picture whose name tells what it is; name them such as wall_color.png, wall_roughness.png"
-        )
+        message = f"{folder}: no picture whose name tells what it is; name them such as wall_color.png"
         raise ImageSetError(message)
     return found
 
 
+def _set_of(stem: str, kind: str) -> str:
+    """What is left of a name without the words of its kind, and without the number of a UDIM tile."""
+    return re.sub(rf"(?<=_)(?:{WORDS[kind]})(?=_)", "", _spaced(re.sub(UDIM, "", stem)))
+
+
+def images(maps: dict[str, Path]) -> dict[str, Image]:
+    """The pictures of maps that ours have an input for; ImageSetError for one that Blender cannot read."""
+    found: dict[str, Image] = {}
+    for kind, path in maps.items():
+        if kind in LEFT_OUT:
+            continue
+        image = bpy.data.images.load(str(path))
+        if re.search(UDIM, path.stem):
+            image.source = "TILED"
+        image.colorspace_settings.is_data = kind not in IN_COLOUR
+        found[kind] = image
+        if not image.size[0]:
+            for one in found.values():
+                bpy.data.images.remove(one)
+            message = f"{path}: is no picture that Blender can read; take it out of the folder, or mend it"
+            raise ImageSetError(message)
+        if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
+            image.filepath = bpy.path.relpath(image.filepath)
+    return found
+
+
 def load(tree: ShaderNodeTree, maps: dict[str, Path]) -> Textures:
-    """Texture nodes of the maps, on the active UV map, and where they lead."""
+    """Texture nodes of the maps, on the active UV map, and where they lead; those of the set before go.
+
+    Raises ImageSetError as ``images``.
+    """
+    pictures = images(maps)
+    for node in [node for node in tree.nodes if node.get(roles.KEY) == SET]:
+        tree.nodes.remove(node)
+    others = {node.name for node in tree.nodes}
     place = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
     tree.links.new(place[0].outputs["UV"], place[1].inputs["Vector"])
-    nodes = {kind: _image(tree, path, kind, place[1]) for kind, path in maps.items() if kind not in LEFT_OUT}
+    nodes = {kind: _image(tree, image, kind, place[1]) for kind, image in pictures.items()}
     colors = {kind: node.outputs["Color"] for kind, node in nodes.items()}
     found = Textures(lost=[f"{kind} ({maps[kind].name})" for kind in LEFT_OUT if kind in maps])
-    for kind in ("Base Color", "Roughness"):
-        if kind in colors:
-            found.inputs[kind] = colors[kind]
-    if "Glossiness" in colors and "Roughness" not in colors:
-        found.inputs["Roughness"] = _through(tree, "ShaderNodeInvert", "Color", colors["Glossiness"])
-    if (normal := _normal(tree, colors)) is not None:
-        found.inputs["Normal"] = normal
+    if "Base Color" in colors:
+        found.inputs["Base Color"] = colors["Base Color"]
+    for name, make in (("Roughness", _roughness), ("Normal", _normal)):
+        if (source := make(tree, colors)) is not None:
+            found.inputs[name] = source
     if "Displacement" in colors:
         found.displacement = _through(
             tree, "ShaderNodeDisplacement", "Height", colors["Displacement"], Scale=HEIGHT, Midlevel=0.5
         )
     if "Alpha" in colors:
-        found.alpha = colors["Alpha"], False
+        found.alpha = colors["Alpha"]
     if "Emission Color" in colors:
         found.emission = colors["Emission Color"], 1.0
     _arrange([*place, *nodes.values()])
+    for node in tree.nodes:
+        if node.name not in others:
+            node[roles.KEY] = SET
     return found
 
 
-def _image(tree: ShaderNodeTree, path: Path, kind: str, mapping: Node) -> Node:
+def _image(tree: ShaderNodeTree, image: Image, kind: str, mapping: Node) -> Node:
     node = tree.nodes.new("ShaderNodeTexImage")
-    node.image, node.label = bpy.data.images.load(str(path), check_existing=True), kind
-    if kind not in IN_COLOUR:
-        node.image.colorspace_settings.is_data = True
+    node.image, node.label = image, kind
     tree.links.new(mapping.outputs[0], node.inputs["Vector"])
     return node
+
+
+def _roughness(tree: ShaderNodeTree, colors: dict[str, NodeSocket]) -> NodeSocket | None:
+    """A map of its own, green of a packed one, or the inverse of gloss."""
+    if "Roughness" in colors:
+        return colors["Roughness"]
+    if "Packed" in colors:
+        return _through(tree, "ShaderNodeSeparateColor", "Color", colors["Packed"]).node.outputs["Green"]
+    if "Glossiness" in colors:
+        return _through(tree, "ShaderNodeInvert", "Color", colors["Glossiness"])
+    return None
 
 
 def _normal(tree: ShaderNodeTree, colors: dict[str, NodeSocket]) -> NodeSocket | None:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from ... import nodegroups
 from ..models import PLAIN, Scale, parameter, symbol
+from ..reference.keyframes import Keyframes, place_keys
+from ..reference.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,6 +45,14 @@ def give(name: str, socket: NodeSocket, value: Any) -> None:
     """Write a parameter, in the working space, into its input."""
     held = scale_of(name, socket).to_input(parameter(name).held(value))
     socket.default_value = (*held, 1.0) if socket.type == "RGBA" else held
+
+
+def converted_keys(name: str, keys: Keyframes, convert: Callable[[Any], Any]) -> Keyframes:
+    """Keys of parameter ``name`` whose straight lines are near those of ``keys``, each value converted."""
+    if keys.times.size == 1:
+        return Keyframes(keys.times, convert(keys.values))
+    law = Converted(keys.law(), convert)
+    return place_keys(Trajectory({name: law}, float(keys.times[0]), float(keys.times[-1])), name)
 
 
 @dataclass(frozen=True)

@@ -15,16 +15,15 @@ from ...nodegroups import trajectory
 from ..library.timeline import Timeline
 from ..models import PLAIN, label, parameter, symbol
 from ..reference.hybrid import BOUNDS
-from ..reference.keyframes import Keyframes, place_keys
-from ..reference.trajectory import Trajectory
 from . import colour_space, course, origin, roles
 from .choice import MaterialError
-from .inputs import Converted, scale_of, value_of
+from .inputs import converted_keys, scale_of, value_of
 
 if TYPE_CHECKING:
     from bpy.types import FCurve, Material, Node, NodeSocket
 
     from ..library.presets import Preset
+    from ..reference.keyframes import Keyframes
     from .origin import Record
 
 
@@ -176,11 +175,8 @@ def _courses(material: Material) -> dict[str, Keyframes]:
     found = course.courses(material, sockets)
     for name, keys in found.items():
         scale = scale_of(name, sockets[name])
-        if scale is not PLAIN and keys.times.size > 1:  # what is straight in the input is not in the parameter
-            law = Converted(keys.law(), scale.of_input)
-            found[name] = place_keys(Trajectory({name: law}, float(keys.times[0]), float(keys.times[-1])), name)
-        else:
-            found[name] = Keyframes(keys.times, scale.of_input(keys.values))
+        if scale is not PLAIN:
+            found[name] = converted_keys(name, keys, scale.of_input)
     return found
 
 

@@ -17,10 +17,8 @@ from ... import nodegroups
 from ...nodegroups import eevee, parameters
 from ..models import label, parameter, symbol
 from ..reference import cycles
-from ..reference.keyframes import Keyframes, place_keys
-from ..reference.trajectory import Trajectory
 from . import colour_space, colour_update, course, fcurves, material, origin, roles
-from .inputs import DIGITS, Converted, give, scale_of
+from .inputs import DIGITS, converted_keys, give, scale_of
 from .material import Choice, lamps_to_bind
 
 if TYPE_CHECKING:
@@ -226,7 +224,11 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree, preset: Preset) -> 
     lost = {path.name for path in paths if not path.lead_to(where.get(path.name, ""))}
     lost |= {name for name, one in kept.items() if one.sources and name not in after}
     driven = {path.name for path in paths if path.name in scaled and path.drives}
-    keys = {name: _of_input(name, played[name]) for name in scaled.values() if name in played}
+    keys = {
+        name: converted_keys(name, played[name], parameter(name).scale.to_input)
+        for name in scaled.values()
+        if name in played
+    }
     if keys:
         course.replace_curves(made, material.parameter_sockets(made), keys)
     for name, targets in outputs:
@@ -329,12 +331,6 @@ class _Path:
     def drives(self) -> bool:
         """Whether it is a driver's curve."""
         return getattr(self.owner, "driver", None) is not None
-
-
-def _of_input(name: str, keys: Keyframes) -> Keyframes:
-    """Keys of a parameter as its input holds it; what is straight in the one is not in the other."""
-    law = Converted(keys.law(), parameter(name).scale.to_input)
-    return place_keys(Trajectory({name: law}, float(keys.times[0]), float(keys.times[-1])), name)
 
 
 def _paths_to(made: Material, node: Node, names: dict[int, str]) -> list[_Path]:

@@ -40,6 +40,7 @@ SHADERS: dict[str, dict[str, str]] = {
 }
 ALPHA, EMISSION, STRENGTH = "Alpha", "Emission Color", "Emission Strength"  # of Principled, which no model of ours has
 GLOW, CLEAR = "glow", "clear"  # roles of the nodes that stand for them beside our model
+OWN = (*roles.GROUPS, roles.OUTPUT, roles.EEVEE, GLOW, CLEAR)
 OURS = {label(model, one.name) for model, spec in MODELS.items() for one in spec.parameters} | {"Normal"}
 OURS |= {one.label for kind in fresnel.KINDS.values() for one in kind.parameters}
 
@@ -253,7 +254,7 @@ def _clear_shaders(made: Material, found: Textures) -> None:
     tree = made.node_tree
     gone = {
         node.name for node in tree.nodes
-        if roles.role_of(node) or any(one.type == "SHADER" for one in (*node.inputs, *node.outputs))
+        if roles.role_of(node) in OWN or any(one.type == "SHADER" for one in (*node.inputs, *node.outputs))
     }  # fmt: skip
     found.drop(lambda socket: socket.node.name in gone)
     moving = len(bag.fcurves) if (bag := fcurves.channelbag(made)) else 0

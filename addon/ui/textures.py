@@ -47,11 +47,12 @@ class VGROOVE_OT_add_image_set(bpy.types.Operator):
         assert made is not None  # noqa: S101 - poll saw to it
         try:
             maps = image_set.find(Path(bpy.path.abspath(self.directory)))
-            if "Base Color" in maps:
-                as_preset(made, context.scene, textures.taking_colour)
             found = image_set.load(made.node_tree, maps)
-            lost = [*found.lost, *textures.give(made, found)]
-        except (InputError, OSError, RuntimeError) as error:  # Blender raises RuntimeError for a picture it can't read
+            lost = list(found.lost)
+            if "Base Color" in maps:
+                lost += as_preset(made, context.scene, textures.taking_colour)
+            lost += textures.give(made, found)
+        except (InputError, OSError, RuntimeError) as error:  # Blender raises RuntimeError for a file that is not there
             self.report({"ERROR"}, str(error).strip())
             return {"CANCELLED"}
         count = len(maps)

@@ -214,6 +214,7 @@ NAMES = {
     "Bricks075A_1K-JPG_Color": "Base Color", "rock_wall_diff_2k": "Base Color", "T_Wall_BaseColor": "Base Color",
     "metal_plate_nor_gl_4k": "Normal", "Tiles_1K_NormalDX": "Normal DX", "colour_of_wood_Roughness": "Roughness",
     "plaster-gloss": "Glossiness", "wall_height": "Displacement", "Wall_AmbientOcclusion": "Ambient Occlusion",
+    "wall_metallicRoughness": "Packed", "Wood_NRM_DX": "Normal DX", "wall_dirt_color_mask": "Mask",
     "metal_bump": "Bump", "leaf_opacity": "Alpha", "lava_emissive": "Emission Color", "steel_metalness": "Metallic",
     "preview": "", "collage": "", "normandy": "",
 }  # fmt: skip
@@ -252,6 +253,45 @@ def test_an_image_set_finds_its_inputs(blender, folder):
     bump = inputs["Normal"].links[0].from_node
     assert bump.bl_idname == "ShaderNodeBump"
     assert bump.inputs["Normal"].links[0].from_node.inputs["Color"].links[0].from_node.image.colorspace_settings.is_data
+
+
+def test_the_largest_of_several_sets_is_taken(blender, folder):
+    """By what the names share; a packed map gives its green; tiles are tiles."""
+    path = folder("brick_color.1001", "brick_orm.1001", "brick_normal.1001", "oak_normal", "oak_rough")
+    maps = image_set.find(path)
+    assert {kind: one.stem for kind, one in maps.items()} == {
+        "Base Color": "brick_color.1001", "Packed": "brick_orm.1001", "Normal": "brick_normal.1001",
+    }  # fmt: skip
+    made = material.build(presets.find("diffuse/clay"), CHOICE)
+    for _ in range(2):  # the second takes the place of the first
+        assert textures.give(made, image_set.load(made.node_tree, maps)) == []
+        inputs = roles.node(made, roles.MODEL).inputs
+        green = inputs["Roughness"].links[0].from_socket
+        assert (green.name, green.node.inputs[0].links[0].from_node.image.source) == ("Green", "TILED")
+        assert sum(node.bl_idname == "ShaderNodeTexImage" for node in made.node_tree.nodes) == 3
+
+
+def test_a_second_set_does_not_glow_twice(blender, folder):
+    """One emission and one mix with Transparent at each output, fed by the new maps."""
+    maps = image_set.find(folder("a_emission", "a_alpha"))
+    made = material.build(presets.find("diffuse/clay"), Choice("nodes", "corrected"))
+    for _ in range(2):
+        textures.give(made, image_set.load(made.node_tree, maps))
+    kinds = [node.bl_idname for node in made.node_tree.nodes]
+    assert [kinds.count(f"ShaderNode{kind}") for kind in ("Emission", "BsdfTransparent", "MixShader")] == [2, 2, 2]
+    assert textures.read(made).alpha.node.image is not None
+
+
+def test_a_broken_picture_changes_nothing(blender, folder, tmp_path):
+    maps = image_set.find(folder("wall_color"))
+    (tmp_path / "wall_rough.png").write_text("no picture")
+    made = material.build(presets.find("diffuse/clay"), CHOICE)
+    state = material.state_of(made)
+    with pytest.raises(image_set.ImageSetError, match=r"wall_rough\.png: is no picture that Blender can read"):
+        image_set.load(made.node_tree, image_set.find(tmp_path))
+    assert material.state_of(made) == state
+    assert maps.keys() == {"Base Color"}
+    assert len(blender.data.images) == 0
 
 
 def test_a_folder_without_maps_is_refused(blender, folder, tmp_path):
