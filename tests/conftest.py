@@ -37,6 +37,7 @@ PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 def pytest_addoption(parser):
     text = "rows of Blender tests: 0 all, 1 each value once at least, 2 each pair of values"
     parser.addoption("--cover", type=int, choices=(0, 1, 2), default=1, help=text)
+    parser.addoption("--write", action="store_true", help="write the table of test_revisions.py")
 
 
 def pytest_collection_modifyitems(config, items):
