@@ -123,10 +123,10 @@ def balls(blender):
     across = (np.arange(PIXELS) + 0.5) * SPACING / PIXELS - SPACING / 2.0
     within = np.hypot(*np.meshgrid(across, across)) < 0.95
 
-    def render(make, *, osl=False, lit="all", samples=SAMPLES):
+    def render(make, *, osl=False, lit="all", samples=SAMPLES, seed=0):
         mesh = scene.ball_mesh(32, 16)
         mesh.materials.append(None)
-        with headless.quiet(), gonio.stage((PIXELS, PIXELS), samples=samples, seed=0, shading_osl=osl) as stage:
+        with headless.quiet(), gonio.stage((PIXELS, PIXELS), samples=samples, seed=seed, shading_osl=osl) as stage:
             gonio.light(stage, gonio.Geometry(furnace=True, lit=lit))
             sky = stage.world.cycles  # as quick_sky has it
             sky.sampling_method, sky.sample_map_resolution = "MANUAL", 512
