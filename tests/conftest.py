@@ -37,6 +37,7 @@ PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 def pytest_addoption(parser):
     text = "rows of Blender tests: 0 all, 1 each value once at least, 2 each pair of values"
     parser.addoption("--cover", type=int, choices=(0, 1, 2), default=1, help=text)
+    parser.addoption("--write", action="store_true", help="write the table of test_revisions.py")
 
 
 def pytest_collection_modifyitems(config, items):
@@ -122,10 +123,10 @@ def balls(blender):
     across = (np.arange(PIXELS) + 0.5) * SPACING / PIXELS - SPACING / 2.0
     within = np.hypot(*np.meshgrid(across, across)) < 0.95
 
-    def render(make, *, osl=False, lit="all", samples=SAMPLES):
+    def render(make, *, osl=False, lit="all", samples=SAMPLES, seed=0):
         mesh = scene.ball_mesh(32, 16)
         mesh.materials.append(None)
-        with headless.quiet(), gonio.stage((PIXELS, PIXELS), samples=samples, seed=0, shading_osl=osl) as stage:
+        with headless.quiet(), gonio.stage((PIXELS, PIXELS), samples=samples, seed=seed, shading_osl=osl) as stage:
             gonio.light(stage, gonio.Geometry(furnace=True, lit=lit))
             sky = stage.world.cycles  # as quick_sky has it
             sky.sampling_method, sky.sample_map_resolution = "MANUAL", 512

@@ -9,6 +9,7 @@ texts and numbers in its property "vgroove", its inputs as built are in "vgroove
 
 The materials are the slots of one object. Node groups keep their sockets and lose their contents, which would take 50
 times the room; only courses driven by Age stay whole. `zstd -dc FILE | zstd --ultra -22` makes the file smaller still.
+What they looked like is in FILE.toml, as 5.2 renders it: with --looks, that is written in place of the .blend.
 """
 
 from __future__ import annotations
@@ -21,11 +22,13 @@ from vgroove import headless
 headless.prepare()
 
 import bpy  # noqa: E402 - after prepare()
+import numpy as np  # noqa: E402
 
-from vgroove.addon.blender import material  # noqa: E402
+from vgroove.addon.blender import gonio, material  # noqa: E402
 from vgroove.addon.blender.course import Play  # noqa: E402
 from vgroove.addon.blender.material import BACKENDS, ESTIMATORS, Choice, lamps_to_bind  # noqa: E402
 from vgroove.addon.library import presets  # noqa: E402
+from vgroove.headless import scene  # noqa: E402
 from vgroove.nodegroups import trajectory  # noqa: E402
 
 OTHERS = (
@@ -38,6 +41,7 @@ OTHERS = (
 )
 LIT = ("nodes corrected", "osl mirror", "nodes hybrid")  # bound to the light; drivers take most of the room
 CHANGING = "time_varying/yellowing_paper"
+PIXELS, SPACING = 16, 2.5  # of a picture of a ball of radius 1
 
 
 def add(name: str, preset: presets.Preset, choice: Choice) -> bpy.types.Material:
@@ -97,6 +101,29 @@ def empty_groups() -> None:
     bpy.data.orphans_purge(do_recursive=True)
 
 
+def looks() -> str:
+    """The mean colour of a ball of each material below a white sky, its light hidden, as lines of TOML."""
+    bpy.data.objects["Point"].hide_render = True
+    across = (np.arange(PIXELS) + 0.5) * SPACING / PIXELS - SPACING / 2.0
+    within = np.hypot(*np.meshgrid(across, across)) < 0.95
+    lines = ["# SPDX-License-Identifier: GPL-3.0-or-later", "# Written by tools/old_forms.py --looks: linear Rec.709"]
+    for made in bpy.data.meshes["Body"].materials:
+        means = [picture(made, seed)[within].mean(axis=0) for seed in range(4)]
+        lines.append(f'"{made.name}" = {[round(float(x), 5) for x in np.mean(means, axis=0)]}')
+    return "\n".join(lines) + "\n"
+
+
+def picture(made: bpy.types.Material, seed: int) -> np.ndarray:
+    """As the fixture ``balls`` of tests/conftest.py has it, (PIXELS, PIXELS, 3)."""
+    with gonio.stage((PIXELS, PIXELS), samples=256, seed=seed, shading_osl="osl" in made.name) as stage:
+        gonio.light(stage, gonio.Geometry(furnace=True))
+        mesh = scene.ball_mesh(32, 16)
+        mesh.materials.append(made)
+        stage.collection.objects.link(bpy.data.objects.new("Ball", mesh))
+        gonio.look_down(stage, SPACING, (0.0, 0.0, 9.0))
+        return gonio.rendered(stage)
+
+
 def main() -> None:
     path = Path(sys.argv[1]).absolute()
     with headless.quiet():
@@ -105,6 +132,9 @@ def main() -> None:
         bpy.data.batch_remove([one for one in bpy.data.workspaces if one != window])
         bpy.data.orphans_purge(do_recursive=True)
         fill()
+        if "--looks" in sys.argv:
+            path.with_suffix(".toml").write_text(looks(), encoding="utf-8")
+            return
         empty_groups()
         bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True, copy=True)
     print(f"{path}: {len(bpy.data.materials)} materials, {path.stat().st_size / 1e3:.0f} kB")

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from ... import nodegroups
-from ...nodegroups import eevee, fit_table
+from ...nodegroups import absorption, eevee, fit_table
 from ..models import MODELS
 from ..models.estimators import NATIVE
 from .choice import Choice, MaterialError, binds
@@ -58,6 +58,11 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.backend == "osl" or choice.estimator not in NATIVE:
         build = partial(_with_eevee, build, group_of(preset, Choice("nodes", "closure")))
     return nodegroups.ensure(label + suffix(choice), module.REVISION, build)
+
+
+def absorption_group() -> ShaderNodeTree:
+    """The node group of what a body takes of the light that goes through it."""
+    return nodegroups.ensure(absorption.NAME, absorption.REVISION, absorption.build)
 
 
 def suffix(choice: Choice) -> str:

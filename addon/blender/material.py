@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ... import nodegroups
-from ...nodegroups import absorption, eevee, lamp, random_numbers, versions
+from ...nodegroups import eevee, lamp, random_numbers, versions
 from ..models import label
 from ..models.estimators import ALL as ESTIMATORS
 from ..models.estimators import EVERY_LIGHT, NATIVE, RANDOM, UPRIGHT
 from . import colour_space, course, origin, roles
 from . import lamps as lamp_binding
 from .choice import BACKENDS, Choice, MaterialError, bindable, binds, lamps_to_bind
-from .groups import BUILDERS, group_of, suffix
+from .groups import BUILDERS, absorption_group, group_of, suffix
 from .inputs import give
 from .origin import Record
 from .reading import (
@@ -48,9 +48,9 @@ if TYPE_CHECKING:
 
 __all__ = [  # the front of this room: what others need of a material, they take from here
     "BACKENDS", "BUILDERS", "CURVE", "ESTIMATORS", "EVERY_LIGHT", "NATIVE", "RANDOM", "TRAJECTORY", "UPRIGHT",
-    "Choice", "MaterialError", "Origin", "absorbs", "add_model", "animate", "bind_lights", "bindable", "binds",
-    "bound_slots", "build", "curves", "fill", "group_of", "is_edited", "is_ours", "lamps_to_bind", "locked",
-    "numbers_of", "origin_of", "parameter_sockets", "play", "plays", "preset_of", "record_of", "set_up",
+    "Choice", "MaterialError", "Origin", "absorbs", "absorption_group", "add_model", "animate", "bind_lights",
+    "bindable", "binds", "bound_slots", "build", "curves", "fill", "group_of", "is_edited", "is_ours", "lamps_to_bind",
+    "locked", "numbers_of", "origin_of", "parameter_sockets", "play", "plays", "preset_of", "record_of", "set_up",
     "show_in_eevee", "show_in_solid_view", "state_of", "stop", "to_preset", "upgrade", "values_of", "write_numbers",
 ]  # fmt: skip
 
@@ -184,8 +184,7 @@ def absorbs(preset: Preset) -> bool:
 
 
 def _absorb(tree: ShaderNodeTree, output: Node, taken: Any) -> None:
-    group = nodegroups.ensure(absorption.NAME, absorption.REVISION, absorption.build)
-    node = _group_node(tree, group, "Absorption", roles.ABSORPTION)
+    node = _group_node(tree, absorption_group(), "Absorption", roles.ABSORPTION)
     node.location = (0, -320)
     give("absorption", node.inputs["Absorption"], taken)
     tree.links.new(node.outputs[0], output.inputs["Volume"])

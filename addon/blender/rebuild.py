@@ -156,7 +156,7 @@ def _action(made: Material) -> bpy.types.Action | None:
 
 
 def _exchange(made: Material, preset: Preset, choice: Choice) -> list[str]:
-    """Replace the material's group by that of ``choice``; returns what could not be kept."""
+    """Replace the material's groups by those of ``choice``; returns what could not be kept."""
     group = material.group_of(preset, choice)  # may refuse: nothing is changed before it
     tree, node = made.node_tree, roles.node(made, roles.MODEL)
     for light in roles.nodes(made, roles.LIGHT):
@@ -169,6 +169,8 @@ def _exchange(made: Material, preset: Preset, choice: Choice) -> list[str]:
             inputs["Bound"].default_value = choice.bound
         material.bind_lights(made, node, choice)
         lost += _show(made, node)
+    for inside in roles.nodes(made, roles.ABSORPTION):
+        lost += _swap(made, inside, material.absorption_group(), preset)
     material.set_up(made, preset, choice)
     return lost
 
