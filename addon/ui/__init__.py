@@ -10,7 +10,7 @@ import bpy
 
 from ..blender import colour_update, follow
 from ..library import presets
-from . import course, opened, operators, panels, preferences, properties, thumbnails, watch
+from . import course, export, opened, operators, panels, preferences, properties, thumbnails, watch
 
 _registered = ExitStack()
 
@@ -18,9 +18,10 @@ _registered = ExitStack()
 def register() -> None:
     """Called when the extension is switched on; leaves nothing behind if a step fails."""
     with ExitStack() as undo:
-        for kind in (*preferences.CLASSES, *properties.CLASSES, *operators.CLASSES, *panels.CLASSES, *course.CLASSES):
-            bpy.utils.register_class(kind)
-            undo.callback(bpy.utils.unregister_class, kind)
+        for module in (preferences, properties, operators, panels, course, export):
+            for kind in module.CLASSES:
+                bpy.utils.register_class(kind)
+                undo.callback(bpy.utils.unregister_class, kind)
         thumbnails.register()
         undo.callback(thumbnails.unregister)
         undo.callback(watch.unregister)

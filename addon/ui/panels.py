@@ -13,13 +13,13 @@ from .preferences import ROOT
 from .text import lines
 
 
-class _InSidebar:
+class InSidebar:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "V-Groove"
 
 
-class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
+class VGROOVE_PT_material(InSidebar, bpy.types.Panel):
     """Choose a preset and apply it."""
 
     bl_label = "V-Groove Material"
@@ -53,7 +53,7 @@ class VGROOVE_PT_material(_InSidebar, bpy.types.Panel):
             lines(layout, f"Preset skipped: {error}", context.region.width, icon="ERROR")
 
 
-class VGROOVE_PT_parameters(_InSidebar, bpy.types.Panel):
+class VGROOVE_PT_parameters(InSidebar, bpy.types.Panel):
     """The parameters of the active object's material."""
 
     bl_label = "Edit Parameters"
@@ -82,7 +82,7 @@ class VGROOVE_PT_parameters(_InSidebar, bpy.types.Panel):
         layout.operator("vgroove.save_preset", icon="FILE_TICK")
 
 
-class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
+class VGROOVE_PT_source(InSidebar, bpy.types.Panel):
     """Where the chosen preset's numbers come from."""
 
     bl_label = "Source"
@@ -105,7 +105,7 @@ class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
         row.operator("vgroove.export_preset", text="Export", icon="EXPORT")
 
 
-class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
+class VGROOVE_PT_advice(InSidebar, bpy.types.Panel):
     """Scene settings that would spoil the render, with a button to fix each."""
 
     bl_label = "Scene Advice"
