@@ -18,3 +18,10 @@ def unregister() -> None:
     from .addon.ui import unregister
 
     unregister()
+
+
+def glTF2ExportUserExtension() -> object:
+    """Called by Blender's glTF exporter, which looks for this name in each extension that is switched on."""
+    from .addon.blender.gltf import Hooks
+
+    return Hooks()

@@ -228,11 +228,9 @@ def _bind(tree: ShaderNodeTree, node: Node, index: int, one: Light, choice: Choi
 
 def show_in_solid_view(material: Material, preset: Preset) -> None:
     """The colour head-on and the roughness, for viewports that do not run the shader."""
-    spec = preset.spec
-    color = spec.solid(preset) if spec.solid else tuple(map(float, preset.reference_fresnel()(1.0)))
-    color = colour_space.colour(color, colour_space.matrix()).tolist()
+    color = colour_space.colour(preset.solid, colour_space.matrix()).tolist()
     material.diffuse_color = (*color, 0.3 if preset.transparent else 1.0)
-    material.roughness = min(1.0, preset.m**0.5) if "m" in preset.parameters or preset.lobes else 1.0
+    material.roughness = preset.roughness
 
 
 def _group_node(tree: ShaderNodeTree, group: ShaderNodeTree, label: str, role: str = "") -> Node:

@@ -63,6 +63,17 @@ class Preset:
         return max(slopes, default=0.0)
 
     @property
+    def roughness(self) -> float:
+        """Blender's Roughness, for what does not run the shader: the root of the slope, 1 for a model without one."""
+        return min(1.0, self.m**0.5) if "m" in self.parameters or self.lobes else 1.0
+
+    @property
+    def solid(self) -> tuple[float, float, float]:
+        """RGB at normal incidence, for what does not run the shader."""
+        r, g, b = self.spec.solid(self) if self.spec.solid else map(float, self.reference_fresnel()(1.0))
+        return r, g, b
+
+    @property
     def is_smooth(self) -> bool:
         """Whether it is a plain interface, of a model that is exact there."""
         return bool(self.spec.smooth_estimator) and self.m == 0.0

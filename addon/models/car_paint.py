@@ -6,8 +6,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..reference import CarPaint
-from . import fresnel, oren_nayar
+from . import fresnel, oren_nayar, principled
 from .cook_torrance import SLOPE
 from .spec import Form, Model
 from .sum import S
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
 TIP = "Share of this lobe; all shares plus the brightest channel of Base Color must not exceed 1"
 SHARE = replace(S, tip=TIP, default=0.1)
+COAT_IOR, COAT_F0 = 1.5, 0.04  # of a clear coat, which glTF and USD take for granted
 
 
 def _shares(form: Form) -> list[float]:
@@ -50,6 +53,28 @@ def _solid(form: Form) -> tuple[float, ...]:
     return tuple(color)
 
 
+def _principled(form: Form) -> principled.Inputs:
+    """The narrowest lobe is the coat; the others are flakes, mixed with the base by what they send back head-on."""
+    of, count = form.parameters, len(_shares(form))
+    m = np.array([of[f"m_{k}"] for k in range(1, count + 1)])
+    head_on = np.array([of[f"s_{k}"] * np.asarray(of[f"f0_{k}"]) for k in range(1, count + 1)])
+    coat = int(np.argmin(m))
+    flakes, slopes = np.delete(head_on, coat, axis=0), np.delete(m, coat)
+    weights = flakes.mean(axis=1)
+    color = np.asarray(of["albedo"]) + flakes.sum(axis=0)
+    slope = float(np.average(slopes, weights=weights)) if weights.sum() > 0.0 else 1.0
+    return {
+        **principled.diffuse(form),
+        **principled.NO_SPECULAR,
+        "Base Color": principled.rgb(color),
+        "Metallic": min(1.0, float(weights.sum()) / max(float(color.mean()), 1e-9)),
+        "Roughness": min(1.0, slope**0.5),
+        "Coat Weight": min(1.0, float(head_on[coat].mean()) / COAT_F0),
+        "Coat Roughness": min(1.0, float(m[coat]) ** 0.5),
+        "Coat IOR": COAT_IOR,
+    }
+
+
 MODEL = Model(
     name="car_paint",
     label="Car Paint",
@@ -65,6 +90,7 @@ MODEL = Model(
     flaw=_flaw,
     account=_account,
     solid=_solid,
+    principled=_principled,
     is_diffuse=True,
     most_lights={"corrected": 4, "hybrid": 3},
     most_lights_4_5={"corrected": 3, "hybrid": 3, "direct": 6},

@@ -2,7 +2,7 @@
 """Cook-Torrance 1982: V-grooves of mirror facets, Beckmann-distributed. Reflection alone."""
 
 from ..reference import CookTorrance, Smooth
-from . import fresnel
+from . import fresnel, principled
 from .spec import Form, Model, Parameter, Scale
 
 SLOPE = Parameter(
@@ -17,6 +17,13 @@ def _reference(form: Form, _parts: object) -> CookTorrance | Smooth:
     return Smooth(F) if m == 0.0 else CookTorrance(m, F)
 
 
+def _principled(form: Form) -> principled.Inputs:
+    """A dielectric without a body below it is black there."""
+    if form.kind == "dielectric":
+        return principled.interface(form) | {"Base Color": principled.BLACK}
+    return principled.metal(form)
+
+
 MODEL = Model(
     name="cook_torrance",
     label="Cook-Torrance",
@@ -25,5 +32,6 @@ MODEL = Model(
     has_fresnel=True,
     kinds=fresnel.LABELS,
     reference=_reference,
+    principled=_principled,
     most_lights_4_5={"corrected": 4, "direct": 6},
 )

@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from ..reference import Glass
-from . import fresnel
+from . import fresnel, principled
 from .cook_torrance import SLOPE
 from .spec import Form, Model, Parameter
 
@@ -23,6 +23,17 @@ def _reference(form: Form, _parts: object) -> Glass:
     return Glass(of["m"], of["eta"], of["tint"], thin=form.kind == "thin")
 
 
+def _principled(form: Form) -> principled.Inputs:
+    """Principled multiplies by the root of its colour at each of a body's two surfaces, and once at a thin wall."""
+    thin = form.kind == "thin"
+    return principled.ROUGHNESS | {
+        "Base Color": principled.Feed("tint", exponent=1.0 if thin else 2.0),
+        "IOR": principled.Feed("eta"),
+        "Transmission Weight": 1.0,
+        "Thin Wall": float(thin),
+    }
+
+
 MODEL = Model(
     name="glass",
     label="Glass",
@@ -32,6 +43,7 @@ MODEL = Model(
     estimators=("closure", "mirror"),
     reference=_reference,
     solid=lambda form: form.parameters["tint"],
+    principled=_principled,
     transparent=True,
     sheets=frozenset({"thin"}),
     smooth_estimator="mirror",

@@ -4,6 +4,7 @@
 from math import pi
 
 from ..reference import OrenNayar
+from . import principled
 from .estimators import BORROWING
 from .spec import Form, Model, Parameter, Scale
 
@@ -27,6 +28,12 @@ def _reference(form: Form, _parts: object) -> OrenNayar:
     return OrenNayar(form.parameters["albedo"], form.parameters["sigma"], qualitative=form.kind == "qualitative")
 
 
+def _principled(form: Form) -> principled.Inputs:
+    """Without a reflection; where an engine adds one nevertheless, it is as broad as can be."""
+    qualitative = form.kind == "qualitative"
+    return principled.diffuse(form, qualitative=qualitative) | principled.NO_SPECULAR | {"Roughness": 1.0}
+
+
 MODEL = Model(
     name="oren_nayar",
     label="Oren-Nayar",
@@ -35,6 +42,7 @@ MODEL = Model(
     kinds={"full": "Full", "qualitative": "Qualitative"},
     reference=_reference,
     solid=lambda form: form.parameters["albedo"],
+    principled=_principled,
     is_diffuse=True,
     upright=frozenset({"fit"}),
     of_cycles=lambda estimator, _backend: estimator in BORROWING,  # 5.3's own Oren-Nayar is another

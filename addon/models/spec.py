@@ -96,6 +96,8 @@ class Model:
     flaw: why a preset's numbers do not go together, as the rest of a line; "" if they do.
     account: (what, why) of each part of such a material, for ``vgroove explain``.
     solid: RGB at normal incidence, for viewports without shaders; None: that of its Fresnel term.
+    principled: what inputs of Blender's Principled get, by their names, for exports (``principled.Inputs``); None: the
+    colour at normal incidence, and the slope as roughness.
     is_diffuse: whether it has a diffuse part. mirrors: whether Mirror mirrors all of it, so that denoisers see that.
     smooth_estimator: the estimator that is exact for m = 0 and draws nothing at random there.
     upright: estimators whose closures stand on the shading normal, beside ``estimators.UPRIGHT``.
@@ -120,6 +122,7 @@ class Model:
     flaw: Callable[[Form], str] = lambda _form: ""
     account: Callable[[Form], Iterable[tuple[str, str]]] | None = None
     solid: Callable[[Form], tuple[float, ...]] | None = None
+    principled: Callable[[Form], Mapping[str, Any]] | None = None
     transparent: bool = False
     sheets: frozenset[str] = frozenset()
     is_diffuse: bool = False

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..reference import Sum
-from . import coat, cook_torrance, fresnel, oren_nayar
+from . import coat, cook_torrance, fresnel, oren_nayar, principled
 from .spec import Form, Model, Parameter
 
 if TYPE_CHECKING:
@@ -46,6 +48,17 @@ def _account(form: Form) -> Iterator[tuple[str, str]]:
     yield "specular part: cook_torrance", f"{s:g} of the light"
 
 
+def _principled(form: Form) -> principled.Inputs:
+    """Under a metal's term a mixture, whose colour is what both send back head-on."""
+    d, s = form.parameters["d"], form.parameters["s"]
+    below = principled.diffuse(form, d)
+    if not principled.is_metallic(form):
+        return below | principled.interface(form, s)
+    head_on = d * np.asarray(form.parameters["albedo"]) + s * fresnel.reference(form)(1.0)
+    mixed = {"Base Color": principled.rgb(head_on), "Metallic": s / (d + s) if d + s else 0.0}
+    return below | principled.metal(form) | principled.NO_SPECULAR | mixed
+
+
 MODEL = Model(
     name="sum",
     label="Sum",
@@ -60,6 +73,7 @@ MODEL = Model(
     flaw=_flaw,
     account=_account,
     solid=lambda form: form.parameters["albedo"],
+    principled=_principled,
     is_diffuse=True,
     most_lights_4_5={"corrected": 5},
 )

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import TYPE_CHECKING, Any
 
 from ..reference import Lambert, Sum
-from . import coat, cook_torrance, fresnel
+from . import coat, cook_torrance, fresnel, principled
 from .spec import Form, Model, Parameter
 
 if TYPE_CHECKING:
@@ -35,6 +36,16 @@ def _account(_form: Form) -> Iterator[tuple[str, str]]:
     yield "coat: cook_torrance", "all of the reflected light"
 
 
+def _principled(form: Form) -> principled.Inputs:
+    """Cycles takes a mean free path of Subsurface Radius * Scale / (4 pi)."""
+    return principled.interface(form) | {
+        "Base Color": principled.Feed("reflectance"),
+        "Subsurface Weight": 1.0,
+        "Subsurface Radius": principled.Feed("mean_free_path", 4.0 * pi),
+        "Subsurface Scale": 1.0,
+    }
+
+
 MODEL = Model(
     name="translucent",
     label="Translucent",
@@ -49,6 +60,7 @@ MODEL = Model(
     flaw=lambda form: coat.flaw("a translucent body", form),
     account=_account,
     solid=lambda form: form.parameters["reflectance"],
+    principled=_principled,
     is_diffuse=True,
     mirrors=False,
     most_lights_4_5={"corrected": 4},

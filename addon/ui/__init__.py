@@ -13,6 +13,7 @@ from ..library import presets
 from . import (
     apply,
     course,
+    export,
     numbers,
     opened,
     operators,
@@ -37,6 +38,7 @@ WITH_CLASSES = (
     shader_editor,
     panels,
     course,
+    export,
 )
 _registered = ExitStack()
 

@@ -15,7 +15,7 @@ from .text import lines
 MOST_READ = 20  # objects that a redraw looks at
 
 
-class _InSidebar:
+class InSidebar:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "V-Groove"
@@ -80,7 +80,7 @@ class _Picker:
             lines(layout, f"Preset skipped: {error}", context.region.width, icon="ERROR")
 
 
-class VGROOVE_PT_material(_Picker, _InSidebar, bpy.types.Panel):
+class VGROOVE_PT_material(_Picker, InSidebar, bpy.types.Panel):
     pass
 
 
@@ -118,7 +118,7 @@ class _Parameters:
         layout.operator("vgroove.save_preset", icon="FILE_TICK")
 
 
-class VGROOVE_PT_parameters(_Parameters, _InSidebar, bpy.types.Panel):
+class VGROOVE_PT_parameters(_Parameters, InSidebar, bpy.types.Panel):
     bl_parent_id = "VGROOVE_PT_material"
 
 
@@ -130,7 +130,7 @@ class VGROOVE_PT_parameters_properties(_Parameters, _InProperties, bpy.types.Pan
     bl_parent_id = "VGROOVE_PT_material_properties"
 
 
-class VGROOVE_PT_published(_InSidebar, bpy.types.Panel):
+class VGROOVE_PT_published(InSidebar, bpy.types.Panel):
     """The parameters that papers give, where the inputs hold others."""
 
     bl_label = "As Published"
@@ -150,7 +150,7 @@ class VGROOVE_PT_published(_InSidebar, bpy.types.Panel):
         numbers.draw_published(self.layout.column(), made)
 
 
-class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
+class VGROOVE_PT_source(InSidebar, bpy.types.Panel):
     """Where the chosen preset's numbers come from."""
 
     bl_label = "Source"
@@ -177,7 +177,7 @@ class VGROOVE_PT_source(_InSidebar, bpy.types.Panel):
             row.operator("vgroove.delete_preset", text="Delete", icon="TRASH")
 
 
-class VGROOVE_PT_advice(_InSidebar, bpy.types.Panel):
+class VGROOVE_PT_advice(InSidebar, bpy.types.Panel):
     """Scene settings that would spoil the render, with a button to fix each."""
 
     bl_label = "Scene Advice"
