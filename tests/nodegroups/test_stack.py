@@ -2,7 +2,7 @@
 """No material outgrows Cycles' stack, on which it would render black without an error."""
 
 from contextlib import contextmanager
-from itertools import product
+from itertools import cycle, product
 
 import pytest
 
@@ -21,6 +21,9 @@ KINDS = {"SUN": "angle", "POINT": "shadow_soft_size", "SPOT": "shadow_soft_size"
 RIGS = {f"{count} {kind.lower()}": [kind] * count for kind, count in product(KINDS, (1, 8))}
 RIGS |= {"two of each": list(KINDS) * 2, "a sun and 7 points": ["SUN", *["POINT"] * 7]}
 RIGS |= {"4 areas and 4 spots": ["AREA"] * 4 + ["SPOT"] * 4, "4 points and 4 areas": ["POINT"] * 4 + ["AREA"] * 4}
+# Parts of these rigs, whose shaders are parts of theirs: one row each, with models, estimators and sizes in turn
+FEWER = {f"{count} {kind.lower()}": [kind] * count for kind, count in product(KINDS, range(2, 8))}
+FEWER |= {f"{count} mixed": [*KINDS, *KINDS][:count] for count in range(2, 8)}
 MODELS = {
     "schlick": "lecture/copper", "conductor": "metals/copper", "f82": "metals_schlick/copper_schlick",
     "diffuse": "diffuse/clay", "coupled sum": "plastics/abs_plastic",
@@ -129,12 +132,26 @@ def test_the_message_is_heard(empty_material):
 @pytest.mark.parametrize("model", MODELS)
 def test_no_material_outgrows_the_stack(blender, model, estimator, rig, sized):
     """With SPARE floats beside it, a bump, and every input textured, but for a paint's 19; in 4.5 as it is built."""
+    check(model, estimator, RIGS[rig], sized=sized)
+
+
+@pytest.mark.once
+@pytest.mark.parametrize(
+    ("rig", "model", "estimator", "sized"),
+    [*zip(FEWER, cycle(MODELS), cycle(ESTIMATORS), cycle((True, False, True)), strict=False)],
+)
+def test_no_material_outgrows_the_stack_in_fewer_lights(blender, model, estimator, rig, sized):
+    """Two to seven of each kind, and mixed."""
+    check(model, estimator, FEWER[rig], sized=sized)
+
+
+def check(model, estimator, kinds, *, sized):
     preset = presets.find(MODELS[model])
     if estimator not in BUILDERS[preset.model]:
         assert (model, estimator) == ("body", "direct")
         return
     old = not versions.since(5, 0)
-    with lit(RIGS[rig], sized=sized) as (stage, overflows):
+    with lit(kinds, sized=sized) as (stage, overflows):
         made = build(preset, Choice("nodes", estimator, lamps_to_bind(stage, estimator, preset.model)))
         if not old and model != "paint":
             textured(made)
