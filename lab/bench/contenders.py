@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from ...addon.blender import material
 from ...addon.blender.material import BUILDERS, Choice, lamps_to_bind
 from ...addon.library import presets
-from ...nodegroups.versions import empty_material
 from . import peers
 
 if TYPE_CHECKING:
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     from bpy.types import Material, Scene
 
     from ...addon.library.presets import Preset
-    from .peers.nodes import Peer
 
 
 COUNTS, QUICK_COUNTS = (4, 16, 64, 256, 1024, 4096), (16, 64, 256)
@@ -95,11 +93,4 @@ def _built(preset: Preset, estimator: str, backend: str, shown: Scene) -> Materi
 def native(preset: Preset) -> Iterator[Rival]:
     """Cycles' own materials that an artist would take instead, with the preset's numbers."""
     for peer in peers.of(preset).cycles(preset):
-        yield Rival(peer.label, partial(_native, peer), peer="cycles", differs=peer.differs)
-
-
-def _native(peer: Peer, _shown: Scene) -> Material:
-    made = empty_material(peer.label)
-    output = made.node_tree.nodes.new("ShaderNodeOutputMaterial")
-    made.node_tree.links.new(peer.socket(made.node_tree), output.inputs["Surface"])
-    return made
+        yield Rival(peer.label, peer.material, peer="cycles", differs=peer.differs)

@@ -24,6 +24,7 @@ from scipy.stats import qmc
 
 from ...addon.blender import images
 from ...addon.reference.directions import dot
+from ..scenery import background
 from . import peers
 from .scene_table import SCENES
 
@@ -235,8 +236,7 @@ def lights_of(shown: Stage) -> list[Light]:
 
 
 def _world(shown: Scene) -> list[Light]:
-    tree = shown.world.node_tree
-    colour = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBackground").inputs["Color"]
+    colour = background(shown.world).inputs["Color"]
     if not colour.is_linked:
         level = np.array(colour.default_value[:3])
         return [Even(level)] if level.any() else []

@@ -19,7 +19,8 @@ from ...addon.reference import Glass, glass_btdf, reflect, smith_g, vgroove_g1
 from ...addon.reference.directions import dot
 from ...addon.reference.glass import pane, refraction_facet, transmitted_g
 from ...addon.reference.quadrature import vgroove_mean
-from ...nodegroups import glass_closure, glass_mirror, versions
+from ...nodegroups import glass_closure, glass_mirror
+from ..scenery import add_node, surface
 from .rows import ROUNDING, SETUPS, Plan, Row, Setup, View, side_by_side
 from .views import SUN_ANGLES, WINDOW, disc, furnace, pooled_view, sun_radiance
 
@@ -59,14 +60,8 @@ def probe(
     make = module.build_osl if setup.backend == "osl" else module.build
     name = f"{module.NAME}{' Sheet' * thin}{' Smooth' * (m == 0)}{' (OSL)' * (setup.backend == 'osl')}"
     group = nodegroups.ensure(name, module.REVISION, partial(make, thin=thin, smooth=m == 0))
-    made = versions.empty_material(name)
-    tree = made.node_tree
-    node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
-    node.node_tree = group
-    node.inputs["IOR"].default_value, node.inputs["Tint"].default_value = eta, (*tint, 1.0)
-    if m > 0:
-        node.inputs["Slope m"].default_value = m
-    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    given = {"IOR": eta, "Tint": tint} | ({"Slope m": m} if m > 0 else {})
+    made = surface(name, lambda tree: add_node(tree, "Group", node_tree=group, **given))
     made.cycles.use_bump_map_correction = estimator != "mirror"  # it would bend the sampled facets
     return made
 
