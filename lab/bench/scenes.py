@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Stage:
-    """A scene, what in it takes the material, and the pixels that are judged."""
+    """A scene, what in it takes the material, and the pixels that are judged, (H, W)."""
 
     scene: Scene
     item: Object
-    seen: NDArray[np.bool_]
+    judged: NDArray[np.bool_]
 
     @property
     def lamp(self) -> Object | None:
@@ -57,8 +57,8 @@ def stage(name: str, size: int) -> Iterator[Stage]:
     if kind.floor:
         _checker(shown)
     shown.view_layers[0].update()
-    seen = np.ones((size, size), np.bool_) if kind.floor else ball_pixels(size)
-    yield Stage(shown, shown.objects["Ball"], seen)
+    judged = np.ones((size, size), np.bool_) if kind.floor else ball_pixels(size)
+    yield Stage(shown, shown.objects["Ball"], judged)
 
 
 def ball_pixels(size: int) -> NDArray[np.bool_]:
