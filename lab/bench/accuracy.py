@@ -29,7 +29,7 @@ from . import contenders, mitsuba_peer, mitsuba_scenes, statistics, truth
 from .cells import Accuracy, Contender, Pictures
 from .contenders import Method
 from .flip import flip
-from .mitsuba_peer import Peer, PeerError, Rendered
+from .mitsuba_peer import PeerError, Rendered
 from .record import Cell
 from .scene_table import SCENES
 from .scenes import stage
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...addon.library.presets import Preset
+    from .mitsuba_peer import Peer
     from .scenes import Stage
 
 SIZE, SMALLER = 14, 11  # pixels: a full report is to take less than an hour on two cores, on each Blender
@@ -193,7 +194,7 @@ def _mitsuba(stack: ExitStack, name: str, preset: Preset) -> tuple[Other | None,
         return None, "Mitsuba has no gonioreflectometer"
     try:
         bsdf = mitsuba_peer.nearest(preset)
-        return Other(stack.enter_context(Peer()), bsdf), ""
+        return Other(stack.enter_context(mitsuba_peer.started()), bsdf), ""
     except (ValueError, PeerError) as error:
         return None, str(error)
 
