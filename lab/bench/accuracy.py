@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -27,9 +27,9 @@ from ...addon.library.files import replacing
 from ...addon.reference import albedo
 from . import contenders, mitsuba_peer, mitsuba_scenes, statistics, truth
 from .cells import Accuracy, Contender, Pictures
-from .contenders import Rival
+from .contenders import Method
 from .flip import flip
-from .mitsuba_peer import Peer, PeerError
+from .mitsuba_peer import PeerError, Rendered
 from .record import Cell
 from .scene_table import SCENES
 from .scenes import stage
@@ -41,12 +41,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...addon.library.presets import Preset
+    from .mitsuba_peer import Peer
     from .scenes import Stage
 
 SIZE, SMALLER = 14, 11  # pixels: a full report is to take less than an hour on two cores, on each Blender
 SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
 MIRROR, CLOSURE = "mirror, nodes", "closure, nodes"
-SEEDS, FEWER_SEEDS, MANY = 4, 2, 1024  # pictures of each count, and from how many samples on fewer do
+SEEDS, FEWER_SEEDS, FEWER_SEEDS_FROM = 4, 2, 1024  # pictures of each count; from so many samples on fewer do
 # Seeds that mirror takes more of, as often as it takes to know the slope of its noise well within 0.05, but no less
 # often than tells how well it is known: furnaces need the least, a lamp whose reflection lies on few pixels the most.
 ROUND, ROUNDS, SLOPE_KNOWN = {64: 16, 256: 8, 1024: 4, 4096: 2}, range(2, 11), 0.02
@@ -75,14 +76,14 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> Accuracy:
         other, without = _mitsuba(stack, name, preset)
         with stage(name, size_of(subject)) as shown:
             backends = ("nodes", "osl") if (name, subject) in BOTH_BACKENDS else ("nodes",)
-            rivals = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.native(preset)]
+            methods = [*contenders.ours(preset, backends, lamps=shown.lamp is not None), *contenders.native(preset)]
             truths = truths_of(shown, name, preset, fewer=QUICK_TRUTH if quick else 1)
-            found = _race(shown, rivals, counts)
-            slope_error = None if SCENES[name].rarely_hit else _slope_error(shown, rivals, counts, found)
+            found = _race(shown, methods, counts)
+            slope_error = None if SCENES[name].rarely_hit else _slope_error(shown, methods, counts, found)
             if other is not None:
-                rivals.append(other.contender)
-                found[other.contender.label] = other.race(name, counts, size_of(subject))
-            scored = {rival.label: _scored(rival, found[rival.label], counts, truths, shown) for rival in rivals}
+                methods.append(other.method)
+                found[other.method.label] = other.race(name, counts, size_of(subject))
+            scored = {one.label: _scored(one, found[one.label], counts, truths, shown) for one in methods}
             scored[MIRROR] = replace(scored[MIRROR], slope_error=slope_error)
         drawn = None if name == "furnace" else pictures(folder, name, subject, preset, other)
     return Accuracy(
@@ -105,7 +106,7 @@ def size_of(subject: str) -> int:
 
 def truths_of(shown: Stage, name: str, preset: Preset, fewer: int = 1) -> NDArray[np.float64]:
     """Pictures of what is true, (A, H, W, 3): one without noise in a furnace, else independent ones."""
-    size = shown.seen.shape[0]
+    size = shown.judged.shape[0]
     if name == "furnace":
         column = gonio.Geometry(furnace=True, resolution=(size, size)).wo()[:, :1]
         return np.broadcast_to(albedo(preset.reference(), column), (1, size, size, 3))
@@ -115,9 +116,9 @@ def truths_of(shown: Stage, name: str, preset: Preset, fewer: int = 1) -> NDArra
 def _true(shown: Stage, name: str, preset: Preset, seed: int, fewer: int) -> NDArray[np.float64]:
     if truth.has(preset, name):
         return truth.picture(shown, preset.reference(), TRUTH_SAMPLES // fewer, seed)
-    (mirror,) = (rival for rival in contenders.ours(preset, ("nodes",), lamps=False) if rival.label == MIRROR)
+    (mirror,) = (one for one in contenders.ours(preset, ("nodes",), lamps=False) if one.label == MIRROR)
     shown.item.active_material = mirror.make(shown.scene)
-    return _render(shown, RENDERED_SAMPLES // fewer, seed)[0]
+    return _render(shown, RENDERED_SAMPLES // fewer, seed).picture
 
 
 def _is_computed(name: str, preset: Preset) -> bool:
@@ -125,50 +126,44 @@ def _is_computed(name: str, preset: Preset) -> bool:
     return name == "furnace" or truth.has(preset, name)
 
 
-@dataclass
-class Taken:
-    """The pictures of a contender at one sample count, by seed, and what each took, by wall and processor."""
-
-    pictures: list[NDArray[np.float64]] = field(default_factory=list)
-    wall: list[float] = field(default_factory=list)
-    cpu: list[float] = field(default_factory=list)
-
-
-def _race(shown: Stage, rivals: list[Rival], counts: tuple[int, ...]) -> dict[str, list[Taken]]:
-    """Of each contender what it took at each count."""
-    made: dict[str, Material] = {rival.label: rival.make(shown.scene) for rival in rivals}
-    found = {rival.label: [Taken() for _ in counts] for rival in rivals}
+def _race(shown: Stage, methods: list[Method], counts: tuple[int, ...]) -> dict[str, list[list[Rendered]]]:
+    """What each method renders at each count, by seed."""
+    made: dict[str, Material] = {one.label: one.make(shown.scene) for one in methods}
+    found: dict[str, list[list[Rendered]]] = {one.label: [[] for _ in counts] for one in methods}
     for seed in range(1, SEEDS + 1):
-        for rival in rivals:
-            shown.item.active_material = made[rival.label]
-            shown.scene.cycles.shading_system = rival.osl
+        for one in methods:
+            shown.item.active_material = made[one.label]
+            shown.scene.cycles.shading_system = one.backend == "osl"
             _render(shown, 1, seed)
-            for samples, taken in zip(counts, found[rival.label], strict=True):
+            for samples, renders in zip(counts, found[one.label], strict=True):
                 if seed <= _seeds(samples):
-                    picture, wall, cpu = _render(shown, samples, seed)
-                    taken.pictures.append(picture)
-                    taken.wall.append(wall)
-                    taken.cpu.append(cpu)
+                    renders.append(_render(shown, samples, seed))
     return found
 
 
-def _slope_error(shown: Stage, rivals: list[Rival], counts: tuple[int, ...], found: dict[str, list[Taken]]) -> float:
+def _slope_error(
+    shown: Stage, methods: list[Method], counts: tuple[int, ...], found: dict[str, list[list[Rendered]]]
+) -> float:
     """Standard error of the slope of ``mirror``'s noise, after as many more pictures as that takes, untimed."""
-    (mirror,) = (rival for rival in rivals if rival.label == MIRROR)
+    (mirror,) = (one for one in methods if one.label == MIRROR)
     shown.item.active_material = mirror.make(shown.scene)
-    shown.scene.cycles.shading_system = mirror.osl
-    of = {samples: taken for samples, taken in zip(counts, found[MIRROR], strict=True) if samples in ROUND}
+    shown.scene.cycles.shading_system = False
+    of = {samples: renders for samples, renders in zip(counts, found[MIRROR], strict=True) if samples in ROUND}
     error = np.inf
     for done in range(1, ROUNDS[-1] + 1):
-        for samples, taken in of.items():
-            first = len(taken.pictures) + 1
-            taken.pictures += [_render(shown, samples, seed)[0] for seed in range(first, first + ROUND[samples])]
+        for samples, renders in of.items():
+            first = len(renders) + 1
+            renders += [_render(shown, samples, seed) for seed in range(first, first + ROUND[samples])]
         if done in ROUNDS:
-            seen = {samples: np.stack(taken.pictures)[:, shown.seen] for samples, taken in of.items()}
-            error = statistics.slope(seen)[1]
+            error = statistics.slope({samples: _judged(renders, shown) for samples, renders in of.items()})[1]
             if error <= SLOPE_KNOWN:
                 break
     return float(error)
+
+
+def _judged(renders: list[Rendered], shown: Stage) -> NDArray[np.float64]:
+    """The judged pixels of pictures by S seeds, (S, P, 3)."""
+    return np.stack([one.picture for one in renders])[:, shown.judged]
 
 
 @dataclass(frozen=True)
@@ -179,24 +174,18 @@ class Other:
     bsdf: dict[str, Any]
 
     @property
-    def contender(self) -> Rival:
+    def method(self) -> Method:
         kind = self.bsdf["type"]
         quickest = "" if self.peer.variant == mitsuba_peer.VARIANTS[0] else ", not its quickest variant"
         differs = f"{kind}: {mitsuba_peer.DIFFERS[kind]} ({self.peer.version}, {self.peer.variant}{quickest})"
-        return Rival("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
+        return Method("Mitsuba", lambda _shown: None, peer="mitsuba", differs=differs)
 
-    def race(self, name: str, counts: tuple[int, ...], size: int) -> list[Taken]:
+    def race(self, name: str, counts: tuple[int, ...], size: int) -> list[list[Rendered]]:
         """As ``_race``: after Cycles, as each takes all cores."""
-        found = []
-        for samples in counts:
-            taken = Taken()
-            for seed in range(1, _seeds(samples) + 1):
-                one = self.peer.render(name, self.bsdf, samples, seed, size)
-                taken.pictures.append(one.picture)
-                taken.wall.append(one.wall)
-                taken.cpu.append(one.cpu)
-            found.append(taken)
-        return found
+        return [
+            [self.peer.render(name, self.bsdf, samples, seed, size) for seed in range(1, _seeds(samples) + 1)]
+            for samples in counts
+        ]
 
 
 def _mitsuba(stack: ExitStack, name: str, preset: Preset) -> tuple[Other | None, str]:
@@ -205,17 +194,17 @@ def _mitsuba(stack: ExitStack, name: str, preset: Preset) -> tuple[Other | None,
         return None, "Mitsuba has no gonioreflectometer"
     try:
         bsdf = mitsuba_peer.nearest(preset)
-        return Other(stack.enter_context(Peer()), bsdf), ""
+        return Other(stack.enter_context(mitsuba_peer.started()), bsdf), ""
     except (ValueError, PeerError) as error:
         return None, str(error)
 
 
 def _seeds(samples: int) -> int:
-    return SEEDS if samples < MANY else FEWER_SEEDS
+    return SEEDS if samples < FEWER_SEEDS_FROM else FEWER_SEEDS
 
 
-def _render(shown: Stage, samples: int, seed: int) -> tuple[NDArray[np.float64], float, float]:
-    """The picture, and the seconds that its render took, by the wall and by the processor; files are not in them."""
+def _render(shown: Stage, samples: int, seed: int) -> Rendered:
+    """A render, and how long it took; files are not in that."""
     shown.scene.cycles.samples, shown.scene.cycles.seed = samples, seed
     clocks: list[tuple[float, float]] = []
 
@@ -231,26 +220,28 @@ def _render(shown: Stage, samples: int, seed: int) -> tuple[NDArray[np.float64],
         for handlers in around:
             handlers.remove(note)
     (wall, cpu), (wall_end, cpu_end) = clocks
-    return picture.astype(np.float64), wall_end - wall, cpu_end - cpu
+    return Rendered(picture.astype(np.float64), samples, wall_end - wall, cpu_end - cpu)
 
 
 def _scored(
-    rival: Rival, found: list[Taken], counts: tuple[int, ...], truths: NDArray[np.float64], shown: Stage
+    method: Method, found: list[list[Rendered]], counts: tuple[int, ...], truths: NDArray[np.float64], shown: Stage
 ) -> Contender:
     """A contender's bias, noise and time at each sample count."""
-    exact, reference = truths[:, shown.seen], truths.mean(axis=0)
-    errors = [statistics.error(np.stack(taken.pictures)[:, shown.seen], exact) for taken in found]
+    exact, reference = truths[:, shown.judged], truths.mean(axis=0)
+    errors = [statistics.error(_judged(renders, shown), exact) for renders in found]
+    timed = [renders[: _seeds(samples)] for samples, renders in zip(counts, found, strict=True)]
+    wall, cpu = ([[getattr(one, clock) for one in renders] for renders in timed] for clock in ("wall", "cpu"))
     return Contender(
-        estimator=rival.estimator, backend=rival.backend, peer=rival.peer, differs=rival.differs,
-        seeds=np.array([float(len(taken.pictures)) for taken in found]),
+        estimator=method.estimator, backend=method.backend, peer=method.peer, differs=method.differs,
+        seeds=np.array([float(len(renders)) for renders in found]),
         bias2=np.array([one.bias2 for one in errors]),
         bias2_error=np.array([one.bias2_error for one in errors]),
         noise=np.array([one.noise for one in errors]),
         resolved=np.array(statistics.resolved([one.noise for one in errors], counts)),
-        flip=np.array([np.mean([flip(reference, one, shown.seen) for one in taken.pictures]) for taken in found]),
-        wall=np.array([np.median(taken.wall) for taken in found]),
-        cpu=np.array([np.median(taken.cpu) for taken in found]),
-        cpu_spread=np.array([np.std(taken.cpu, ddof=1) / np.mean(taken.cpu) for taken in found]),
+        flip=np.array([np.mean([flip(reference, one.picture, shown.judged) for one in renders]) for renders in found]),
+        wall=np.array([np.median(seconds) for seconds in wall]),
+        cpu=np.array([np.median(seconds) for seconds in cpu]),
+        cpu_spread=np.array([np.std(seconds, ddof=1) / np.mean(seconds) for seconds in cpu]),
     )  # fmt: skip
 
 
@@ -268,14 +259,14 @@ def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other
     target.mkdir(parents=True, exist_ok=True)
     with stage(name, PICTURE_SIZE) as shown:
         drawn = {"reference": _true(shown, name, preset, FIRST_TRUTH, fewer=LOOKED_AT)}
-        for rival in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.native(preset)):
-            shown.item.active_material = rival.make(shown.scene)
-            drawn[rival.label] = _render(shown, PICTURE_SAMPLES, 1)[0]
+        for one in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.native(preset)):
+            shown.item.active_material = one.make(shown.scene)
+            drawn[one.label] = _render(shown, PICTURE_SAMPLES, 1).picture
         if truth.has(preset, name):  # which ends with the judged pixels; around them there is what has the least noise
-            drawn["reference"] = np.where(shown.seen[..., None], drawn["reference"], drawn[CLOSURE])
+            drawn["reference"] = np.where(shown.judged[..., None], drawn["reference"], drawn[CLOSURE])
     if other is not None:
-        one = other.peer.render(name, other.bsdf, PICTURE_SAMPLES, 1, PICTURE_SIZE)
-        drawn[other.contender.label] = one.picture
+        render = other.peer.render(name, other.bsdf, PICTURE_SAMPLES, 1, PICTURE_SIZE)
+        drawn[other.method.label] = render.picture
     files = {}
     for label, picture in drawn.items():
         path = target / f"{name}-{subject}-{label.split(',')[0].replace(' ', '_').lower()}.exr"

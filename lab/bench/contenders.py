@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from ...addon.blender import material
 from ...addon.blender.material import BUILDERS, Choice, lamps_to_bind
 from ...addon.library import presets
-from ...nodegroups.versions import empty_material
 from . import peers
 
 if TYPE_CHECKING:
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     from bpy.types import Material, Scene
 
     from ...addon.library.presets import Preset
-    from .peers.nodes import Peer
 
 
 COUNTS, QUICK_COUNTS = (4, 16, 64, 256, 1024, 4096), (16, 64, 256)
@@ -65,7 +63,7 @@ def subjects() -> dict[str, Preset]:
 
 
 @dataclass(frozen=True)
-class Rival:
+class Method:
     """A way to show a subject. peer: "" if it is ours; differs: how its model differs."""
 
     label: str
@@ -74,32 +72,22 @@ class Rival:
     backend: str = ""
     peer: str = ""
     differs: str = ""
-    osl: bool = False  # whether Cycles runs it as OSL
 
 
-def ours(preset: Preset, backends: tuple[str, ...], *, lamps: bool) -> Iterator[Rival]:
+def ours(preset: Preset, backends: tuple[str, ...], *, lamps: bool) -> Iterator[Method]:
     """Every estimator that shows something else than another: without lamps corrected is fit, and direct is black."""
     for backend in backends:
         for estimator in BUILDERS[preset.model]:
             if lamps or estimator not in material.EVERY_LIGHT:
-                yield Rival(
-                    f"{estimator}, {backend}", partial(_built, preset, estimator, backend), estimator, backend,
-                    osl=backend == "osl",
-                )  # fmt: skip
+                make = partial(_built, preset, estimator, backend)
+                yield Method(f"{estimator}, {backend}", make, estimator, backend)
 
 
 def _built(preset: Preset, estimator: str, backend: str, shown: Scene) -> Material:
     return material.build(preset, Choice(backend, estimator, lamps_to_bind(shown, estimator, preset.model)))
 
 
-def native(preset: Preset) -> Iterator[Rival]:
+def native(preset: Preset) -> Iterator[Method]:
     """Cycles' own materials that an artist would take instead, with the preset's numbers."""
     for peer in peers.of(preset).cycles(preset):
-        yield Rival(peer.label, partial(_native, peer), peer="cycles", differs=peer.differs)
-
-
-def _native(peer: Peer, _shown: Scene) -> Material:
-    made = empty_material(peer.label)
-    output = made.node_tree.nodes.new("ShaderNodeOutputMaterial")
-    made.node_tree.links.new(peer.socket(made.node_tree), output.inputs["Surface"])
-    return made
+        yield Method(peer.label, peer.material, peer="cycles", differs=peer.differs)

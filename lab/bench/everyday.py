@@ -18,6 +18,7 @@ from ...addon.library import presets
 from ...addon.reference.estimators import rendered as brdf
 from ...headless import assignment
 from ...nodegroups import versions
+from ..scenery import surface
 from . import contenders, everyday_lights, everyday_settings, everyday_surfaces, peers  # noqa: F401 - fill SCENES
 from .cells import Everyday
 from .everyday_stage import SAMPLES, SCENES, SIZE, prepare, shaded
@@ -174,11 +175,7 @@ def time_over_native(
 
 def native(preset: Preset) -> Material:
     """What an artist would wire without us: Metallic, Diffuse and Glass BSDFs with the preset's numbers."""
-    made = versions.empty_material(f"Native {preset.name}")
-    tree = made.node_tree
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(peers.of(preset).native(tree, preset), output.inputs["Surface"])
-    return made
+    return surface(f"Native {preset.name}", partial(peers.of(preset).native, preset=preset))
 
 
 # --- judgement ------------------------------------------------------------------------------------------------------

@@ -22,8 +22,18 @@ from functools import partial
 from math import radians
 from typing import TYPE_CHECKING, Any
 
+import bpy
 import numpy as np
 
+from ... import headless
+from ...addon.blender import gonio
+from ...addon.blender.course import Play
+from ...addon.blender.material import RANDOM, build
+from ...addon.choose import explain
+from ...addon.library import presets
+from ...headless import memory, scene
+from ..scenery import add_object, light_data, write_exact
+from . import universal, universal_data
 from .cells import LeftOut, OmittedPart
 from .record import Cell
 
@@ -84,8 +94,6 @@ def cells(*, quick: bool) -> list[Cell]:
 
 def measure(case: str, _folder: Path | None = None, *, quick: bool = False) -> tuple[LeftOut, ...]:
     """A preset in all scenes; where its memory was measured, with that."""
-    from ...addon.library import presets
-
     preset, backend = presets.find(CASES[case]), _backend()
     rounds = 1 if quick else ROUNDS
     most = QUICK_LINES if quick else None
@@ -100,8 +108,6 @@ def measure(case: str, _folder: Path | None = None, *, quick: bool = False) -> t
 
 def _backend() -> str:
     """What is measured in all scenes."""
-    from . import universal
-
     return "nodes" if universal.fits() else "osl"
 
 
@@ -111,16 +117,11 @@ def stage(name: str, size: int = SIZE) -> Scene:
     The ball is at the origin, unturned: else Cycles rounds its points again where it cannot apply transforms, such as
     with subsurface scattering, and the hash of a position would give other random numbers.
     """
-    import bpy
-
-    from ...headless import scene
-
     shown = scene.preview("studio")
     for old in ("Floor", "Sun"):
         bpy.data.objects.remove(shown.objects[old])
     shown.objects["Ball"].location = (0.0, 0.0, 0.0)
-    shown.render.resolution_x = shown.render.resolution_y = size
-    shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
+    write_exact(shown, size)
     shown.view_settings.view_transform = "Raw"
     shown.camera.location, shown.camera.rotation_euler = (0.0, -6.0, 0.0), (radians(90.0), 0.0, 0.0)
     shown.world.cycles.sampling_method, shown.world.cycles.sample_map_resolution = "MANUAL", 256  # else 2 s a render
@@ -136,27 +137,15 @@ def stage(name: str, size: int = SIZE) -> Scene:
 
 
 def _lamp(shown: Scene, kind: str, **settings: float) -> None:
-    import bpy
-
-    light = bpy.data.lights.new("Lamp", kind)
-    for name, value in settings.items():
-        setattr(light, name, value)
-    item = bpy.data.objects.new("Lamp", light)
     side = 1.0 if kind != "POINT" else -1.0
-    item.location, item.rotation_euler = (1.3 * side, -1.6, 1.6), (radians(45.0), 0.0, radians(39.0 * side))
-    shown.collection.objects.link(item)
+    at, turned = (1.3 * side, -1.6, 1.6), (45.0, 0.0, 39.0 * side)
+    add_object(shown, "Lamp", light_data("Lamp", kind, **settings), at, turned)
 
 
 def setup(
     case: str, preset: Preset, name: str, backend: str, rounds: int, *, estimator: str = "auto", most: int | None = None
 ) -> LeftOut:
     """One scene and backend: both materials, and what was left out of the one, of which ``most`` are put back."""
-    from ... import headless
-    from ...addon.blender.course import Play
-    from ...addon.blender.material import build
-    from ...addon.choose import explain
-    from . import universal, universal_data
-
     with headless.quiet():
         shown = stage(name)
         shown.cycles.shading_system = backend == "osl"
@@ -218,11 +207,6 @@ def _ball(shown: Scene) -> Object:
 
 def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None = None) -> tuple[OmittedPart, ...]:
     """Each component that was left out, ``most`` of them put back."""
-    from ...addon.blender.course import Play
-    from ...addon.blender.material import build
-    from ...addon.choose import explain
-    from . import universal, universal_data
-
     listed = list(_listed(account))
     most = len(listed) if most is None else most
     named = [OmittedPart(what=line.what, why=line.why) for line, _ in listed]
@@ -259,9 +243,6 @@ def _render(
     shown: Scene, made: Material, data: Mapping[str, Any], samples: int
 ) -> tuple[NDArray[np.float64], float]:  # fmt: skip
     """The picture, and the processor seconds that it took."""
-    from ...addon.blender import gonio
-    from . import universal_data
-
     ball = _ball(shown)
     if ball.active_material != made:
         ball.active_material = made
@@ -296,8 +277,6 @@ def _redraws(preset: Preset, choice: Choice) -> bool:
 
     It does so at another place, by the last digit, and the hash of that has nothing to do with the other's.
     """
-    from ...addon.blender.material import RANDOM
-
     return preset.transparent and preset.m > 0.0 and choice.estimator in RANDOM
 
 
@@ -312,15 +291,7 @@ def _memory(identity: str, which: str) -> float:
 
 
 def _child(identity: str, which: str) -> float:
-    from ... import headless
-
     headless.prepare()
-    from ...addon.blender.material import build
-    from ...addon.choose import explain
-    from ...addon.library import presets
-    from ...headless import memory
-    from . import universal, universal_data
-
     preset = presets.find(identity)
     with headless.quiet():
         shown = stage("lamps")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The peer Mitsuba 3, on the scenes that it and Cycles can both express. Imports no bpy until a ``Peer`` starts.
+"""The peer Mitsuba 3, on the scenes that it and Cycles can both express. Imports no bpy until it is ``started``.
 
 Mitsuba runs in a process of its own (``mitsuba_scenes``), which stays warm: its libraries and Blender's must not meet
 in one (``headless.pipe``).
@@ -10,15 +10,15 @@ DRJIT_LIBLLVM_PATH names another than the system's). It is tried first, in a pro
 
 from __future__ import annotations
 
-import contextlib
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from ...headless import pipe
 from . import mitsuba_scenes, peers
 
 if TYPE_CHECKING:
-    from types import TracebackType
+    from collections.abc import Iterator
 
     import numpy as np
     from numpy.typing import NDArray
@@ -66,26 +66,33 @@ class Rendered:
     cpu: float
 
 
+@contextmanager
+def started() -> Iterator[Peer]:
+    """Mitsuba's process, by the quickest variant that works. PeerError if none does."""
+    from ...addon.blender import images
+    from ...headless.scene import environments
+
+    world = images.load(environments()["studio"])
+    peer = None
+    for variant in VARIANTS[:-1]:
+        with suppress(PeerError):
+            peer = peer or Peer(variant, world)
+    with closing(peer or Peer(VARIANTS[-1], world)) as begun:
+        yield begun
+
+
 class Peer:
-    """Mitsuba's process, seen from Blender's. A context; PeerError if Mitsuba does not start."""
+    """Mitsuba's process, seen from Blender's. PeerError if the variant renders nothing here."""
 
-    def __enter__(self) -> Self:
-        from ...addon.blender import images
-        from ...headless.scene import environments
-
-        world = images.load(environments()["studio"])
-        *quicker, plain = VARIANTS
-        for variant in quicker:
-            with contextlib.suppress(PeerError):
-                self._begin(variant, world)
-                return self
-        self._begin(plain, world)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
+    def __init__(self, variant: str, world: NDArray[np.float32]) -> None:
+        self.variant = variant
+        self._process = pipe.Process(mitsuba_scenes.__name__, variant, name=f"Mitsuba's process ({variant})")
+        try:
+            self.version: str = self._ask(world)
+            self.render("softbox", TRIAL, 1, 0, 8)
+        except BaseException:
+            self.close()
+            raise
 
     def render(self, scene: str, bsdf: dict[str, Any], samples: int, seed: int, size: int) -> Rendered:
         """One of ``mitsuba_scenes.SCENES``, its ball of any BSDF that Mitsuba has, in ``size`` x ``size`` pixels.
@@ -101,17 +108,6 @@ class Peer:
     def close(self) -> None:
         """End the process."""
         self._process.close()
-
-    def _begin(self, variant: str, world: NDArray[np.float32]) -> None:
-        """PeerError if the variant renders nothing here."""
-        self.variant = variant
-        self._process = pipe.Process(mitsuba_scenes.__name__, variant, name=f"Mitsuba's process ({variant})")
-        try:
-            self.version: str = self._ask(world)
-            self.render("softbox", TRIAL, 1, 0, 8)
-        except BaseException:
-            self.close()
-            raise
 
     def _ask(self, request: Any) -> Any:
         try:

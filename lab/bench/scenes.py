@@ -13,23 +13,23 @@ import numpy as np
 
 from ...addon.blender import gonio
 from ...headless import scene
-from ...nodegroups import versions
+from ..scenery import add_node, add_object, background, checker, light_data, quad, surface, wire, write_exact
 from . import scene_table as table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import Object, Scene
+    from bpy.types import Node, NodeTree, Object, Scene
     from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
 class Stage:
-    """A scene, what in it takes the material, and the pixels that are judged."""
+    """A scene, what in it takes the material, and the pixels that are judged, (H, W)."""
 
     scene: Scene
     item: Object
-    seen: NDArray[np.bool_]
+    judged: NDArray[np.bool_]
 
     @property
     def lamp(self) -> Object | None:
@@ -57,8 +57,8 @@ def stage(name: str, size: int) -> Iterator[Stage]:
     if kind.floor:
         _checker(shown)
     shown.view_layers[0].update()
-    seen = np.ones((size, size), np.bool_) if kind.floor else ball_pixels(size)
-    yield Stage(shown, shown.objects["Ball"], seen)
+    judged = np.ones((size, size), np.bool_) if kind.floor else ball_pixels(size)
+    yield Stage(shown, shown.objects["Ball"], judged)
 
 
 def ball_pixels(size: int) -> NDArray[np.bool_]:
@@ -71,10 +71,9 @@ def ball_pixels(size: int) -> NDArray[np.bool_]:
 
 def _ball(size: int) -> Scene:
     shown = scene.preview("studio")
-    for item in [shown.objects["Floor"], shown.objects["Sun"]]:
-        bpy.data.objects.remove(item)
-    shown.render.resolution_x = shown.render.resolution_y = size
-    shown.render.image_settings.file_format, shown.render.image_settings.color_depth = "OPEN_EXR", "32"
+    for name in ("Floor", "Sun"):
+        bpy.data.objects.remove(shown.objects[name])
+    write_exact(shown, size)
     shown.render.use_persistent_data = True
     shown.cycles.pixel_filter_type, shown.cycles.filter_width = "BOX", 1.0  # as other renderers have it
     shown.view_settings.view_transform = "Raw"
@@ -85,52 +84,37 @@ def _ball(size: int) -> Scene:
 
 def _hold(shown: Scene, brightest: float) -> None:
     """Have the world nowhere brighter than that."""
-    tree = shown.world.node_tree
-    colour = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBackground").inputs["Color"]
-    held = tree.nodes.new("ShaderNodeVectorMath")
-    held.operation, held.inputs[1].default_value = "MINIMUM", (brightest,) * 3
-    tree.links.new(colour.links[0].from_socket, held.inputs[0])
-    tree.links.new(held.outputs[0], colour)
+    tree, colour = shown.world.node_tree, background(shown.world).inputs["Color"]
+    uncut = colour.links[0].from_socket
+    wire(tree, add_node(tree, "VectorMath", operation="MINIMUM", Vector=uncut, Vector_001=(brightest,) * 3), colour)
 
 
 def _even(shown: Scene, level: float) -> None:
     """Have the world the same grey everywhere."""
-    tree = shown.world.node_tree
-    colour = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBackground").inputs["Color"]
-    tree.links.remove(colour.links[0])
+    colour = background(shown.world).inputs["Color"]
+    shown.world.node_tree.links.remove(colour.links[0])
     colour.default_value = (level, level, level, 1.0)
 
 
 def _lamp(shown: Scene, kind: str) -> None:
-    light = bpy.data.lights.new("Lamp", kind)
     if kind == "AREA":
-        light.energy, light.size = table.SOFTBOX_WATTS, table.SOFTBOX_SIDE
+        light = light_data("Lamp", kind, energy=table.SOFTBOX_WATTS, size=table.SOFTBOX_SIDE)
     else:
-        light.energy, light.angle = table.SUN_STRENGTH, table.SUN_ANGLE
-    lamp = bpy.data.objects.new("Lamp", light)
-    x, z = map(radians, table.LAMP_DEGREES)
-    lamp.location, lamp.rotation_euler = table.LAMP_LOCATION, (x, 0.0, z)
-    shown.collection.objects.link(lamp)
+        light = light_data("Lamp", kind, energy=table.SUN_STRENGTH, angle=table.SUN_ANGLE)
+    x, z = table.LAMP_DEGREES
+    add_object(shown, "Lamp", light, table.LAMP_LOCATION, (x, 0.0, z))
 
 
 def _checker(shown: Scene) -> None:
     """A floor of squares half a metre wide under the ball, and the camera a little above it."""
     shown.cycles.diffuse_bounces = shown.cycles.glossy_bounces = shown.cycles.max_bounces  # light is not to be lost
-    mesh = bpy.data.meshes.new("Floor")
-    half = table.FLOOR_HALF
-    mesh.from_pydata([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)], [], [(0, 1, 2, 3)])
-    made = versions.empty_material("Checker")
-    tree = made.node_tree
-    texture, place, diffuse, output = (
-        tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexChecker", "NewGeometry", "BsdfDiffuse", "OutputMaterial")
-    )
-    texture.inputs["Scale"].default_value = 1.0 / table.CHECKER_SIDE
-    dark, light = ((level, level, level, 1.0) for level in table.CHECKER_LEVELS)
-    texture.inputs["Color1"].default_value, texture.inputs["Color2"].default_value = light, dark
-    tree.links.new(place.outputs["Position"], texture.inputs["Vector"])
-    tree.links.new(texture.outputs["Color"], diffuse.inputs["Color"])
-    tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
-    mesh.materials.append(made)
-    shown.collection.objects.link(bpy.data.objects.new("Floor", mesh))
+    dark, light = ((level, level, level) for level in table.CHECKER_LEVELS)
+
+    def squares(tree: NodeTree) -> Node:
+        place = add_node(tree, "NewGeometry").outputs["Position"]
+        return add_node(tree, "BsdfDiffuse", Color=checker(tree, light, dark, 1.0 / table.CHECKER_SIDE, Vector=place))
+
+    floor = add_object(shown, "Floor", quad("Floor", 2.0 * table.FLOOR_HALF))
+    floor.data.materials.append(surface("Checker", squares))
     shown.camera.location = table.CHECKER_CAMERA
     shown.camera.rotation_euler = (radians(table.CHECKER_DEGREES), 0.0, 0.0)

@@ -23,15 +23,16 @@ from ...addon.choose import advice
 from ...addon.reference import albedo
 from ...addon.reference.quadrature import vgroove_albedo
 from ...headless import scene
-from ...nodegroups import random_numbers, versions
+from ...nodegroups import random_numbers
 from ..check.cook_torrance import materials
 from ..check.rows import SETUPS, Row, Setup, View
+from ..scenery import add_node, surface
 from ..sidak import limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from bpy.types import Material, Object, Scene
+    from bpy.types import Material, Node, NodeTree, Object, Scene
     from numpy.typing import NDArray
 
     from ...addon.library.presets import Preset
@@ -179,12 +180,12 @@ def is_explained(image: NDArray[np.float64], shared: Sharing) -> bool:
 
 
 def _numbers_material() -> Material:
-    made = versions.empty_material("VGroove gonio")
-    tree = made.node_tree
-    group, emission, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "Emission", "OutputMaterial"))
-    group.node_tree = nodegroups.ensure(random_numbers.NAME, random_numbers.REVISION, random_numbers.build)
-    tree.links.new(group.outputs[0], emission.inputs["Color"])
-    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    group = nodegroups.ensure(random_numbers.NAME, random_numbers.REVISION, random_numbers.build)
+
+    def shown(tree: NodeTree) -> Node:
+        return add_node(tree, "Emission", Color=add_node(tree, "Group", node_tree=group))
+
+    made = surface("VGroove gonio", shown)
     made.cycles.emission_sampling = "NONE"
     return made
 

@@ -26,13 +26,14 @@ from ...addon.reference import (
     spherical,
 )
 from ..check.views import direct_bar
-from .stability_looks import Seen
+from .stability_measures import Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...addon.reference import Model
     from ..check.rows import Setup
+
 THETAS = (0.0, 1e-9, 1e-3, 30.0, 60.0, 89.0, 89.9, 89.9999, 90.0 - 1e-6)
 PHIS = (0.0, 0.1, 90.0, 180.0 - 1e-6, 180.0)
 FRAMES = 240.0
@@ -42,7 +43,7 @@ MOMENTS = (0.0, 0.25, 0.6, 0.8, 1.0)  # of a course: none within the step of ``l
 RECIPROCAL = 2.0**-20
 
 
-def values(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
+def values(of: Callable[[float], Model], value: float, _setup: Setup) -> Outcome:
     """f of a model for all pairs of ``THETAS`` and ``PHIS``; reciprocal."""
     wi, wo = _directions()[:, None], _directions()[None]
     model = of(value)
@@ -52,12 +53,12 @@ def values(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
     # Vectors by sines and cosines are unit to 3 * 2^-52, by which v.h and l.h part: over their |wi + wo| / 2 that is
     # 2 (3 + 3) 2^-52 / |wi + wo|^2, and G takes v.h as it is.
     bound = RECIPROCAL + 12.0 * 2.0**-52 / np.sum((wi + wo) ** 2, axis=-1)
-    return Seen(f, holds=bool(np.all(apart <= bound)))
+    return Outcome(f, holds=bool(np.all(apart <= bound)))
 
 
-def shares(of: Callable[[float], Model], value: float, _setup: Setup) -> Seen:
+def shares(of: Callable[[float], Model], value: float, _setup: Setup) -> Outcome:
     """The directional albedo of a model at each of ``THETAS``."""
-    return Seen(albedo(of(value), spherical(np.radians(THETAS), 0.0)))
+    return Outcome(albedo(of(value), spherical(np.radians(THETAS), 0.0)))
 
 
 def _directions() -> Any:
@@ -65,46 +66,28 @@ def _directions() -> Any:
     return spherical(theta.ravel(), phi.ravel())
 
 
-def rough(m: float) -> Model:
-    return CookTorrance(m, Schlick(1.0))
-
-
-def dielectric(eta: float) -> Model:
-    return CookTorrance(0.3, Dielectric(eta))
-
-
-def conductor(k: float) -> Model:
-    return CookTorrance(0.3, Conductor(0.2, k))
-
-
-def diffuse(kind: str, sigma: float) -> Model:
-    return OrenNayar(0.95, sigma, qualitative=kind == "qualitative")
-
-
-def glass(eta: float) -> Model:
-    return Glass(0.3, eta)
-
-
-_M = (1e-6, 1e-4, 0.01, 0.3, 1.0, 10.0)
-_ETA = (0.1, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 1.5, 10.0)
-_K = (0.0, 1e-9, 1.0, 20.0)
-_SIGMA = (0.0, 1e-6, 0.3, 1.0, np.pi / 2)
-# what, values, look, most
-ROWS: tuple[tuple[Any, ...], ...] = (
-    ("m, f", _M, partial(values, rough), None),
-    ("m, albedo", _M, partial(shares, rough), 1.0),
-    ("eta, f", _ETA, partial(values, dielectric), None),
-    ("eta, albedo", _ETA, partial(shares, dielectric), 1.0),
-    ("k, f", _K, partial(values, conductor), None),
-    ("k, albedo", _K, partial(shares, conductor), 1.0),
-    ("sigma, full, f", _SIGMA, partial(values, partial(diffuse, "full")), None),
-    ("sigma, full, albedo", _SIGMA, partial(shares, partial(diffuse, "full")), 1.0),
-    ("sigma, qualitative, albedo", _SIGMA, partial(shares, partial(diffuse, "qualitative")), 1.0),
-    ("eta, glass, albedo", _ETA, partial(shares, glass), 1.0),
+SIGMAS = (0.0, 1e-6, 0.3, 1.0, np.pi / 2)
+ETAS = (0.1, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 1.5, 10.0)
+ALBEDO = (("albedo", shares, 1.0),)
+BOTH = (("f", values, None), *ALBEDO)
+# what is varied, its values, the model of a value, and what is computed of it
+MODELS: tuple[tuple[str, tuple[float, ...], Callable[[float], Model], Any], ...] = (
+    ("m", (1e-6, 1e-4, 0.01, 0.3, 1.0, 10.0), lambda m: CookTorrance(m, Schlick(1.0)), BOTH),
+    ("eta", ETAS, lambda eta: CookTorrance(0.3, Dielectric(eta)), BOTH),
+    ("k", (0.0, 1e-9, 1.0, 20.0), lambda k: CookTorrance(0.3, Conductor(0.2, k)), BOTH),
+    ("sigma, full", SIGMAS, partial(OrenNayar, 0.95), BOTH),
+    ("sigma, qualitative", SIGMAS, partial(OrenNayar, 0.95, qualitative=True), ALBEDO),
+    ("eta, glass", ETAS, partial(Glass, 0.3), ALBEDO),
+)
+# what, values, measure, most
+ROWS: tuple[tuple[Any, ...], ...] = tuple(
+    (f"{what}, {number}", varied, partial(measure, model), most)
+    for what, varied, model, numbers in MODELS
+    for number, measure, most in numbers
 )
 
 
-def course(law: str, driving: str, rate: float, setup: Setup) -> Seen:
+def course(law: str, driving: str, rate: float, setup: Setup) -> Outcome:
     """A slope that falls from 1 to 0.05 at ``rate``, all but a step, by ``direct`` at moments of its course."""
     middle = "middle = 0.5\n" if law == "logistic" else ""
     text = (
@@ -129,4 +112,4 @@ def course(law: str, driving: str, rate: float, setup: Setup) -> Seen:
     nearest = float(np.min(np.diff(keys["m"].times))) * FRAMES
     crowded = driving == "curves" and nearest < fcurves.CLOSEST
     limit = f"F-curves have no two keys within {fcurves.CLOSEST:g} frames: a step takes that long" if crowded else ""
-    return Seen(images.astype(np.float64), limit=limit, holds=off <= direct_bar(0.05), more={"error": off})
+    return Outcome(images.astype(np.float64), limit=limit, holds=off <= direct_bar(0.05), more={"error": off})

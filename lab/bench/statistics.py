@@ -31,10 +31,6 @@ class Error:
     bias2_error: float
     noise: float
 
-    @property
-    def rmse(self) -> float:
-        return float(np.sqrt(max(self.bias2, 0.0) + self.noise**2))
-
 
 def error(pictures: NDArray[np.floating], truths: NDArray[np.floating]) -> Error:
     """Of S pictures (S, P, 3) against A truths (A, P, 3). A single truth is taken to be without noise.

@@ -24,6 +24,7 @@ from scipy.stats import qmc
 
 from ...addon.blender import images
 from ...addon.reference.directions import dot
+from ..scenery import background
 from . import peers
 from .scene_table import SCENES
 
@@ -50,9 +51,9 @@ def picture(shown: Stage, model: Model, samples: int, seed: int) -> Floats:
     """Linear RGB of the ball, (H, W, 3), and 0 in pixels that are not judged. samples: a pixel, a power of two."""
     eye, lights = Eye.of(shown), lights_of(shown)
     points = qmc.Sobol(6 + 2 * len(lights), seed=seed).random(samples)
-    shifts = np.random.default_rng(seed).random((*shown.seen.shape, points.shape[1]))
-    found = np.zeros((*shown.seen.shape, 3))
-    for row, column in zip(*np.nonzero(shown.seen), strict=True):
+    shifts = np.random.default_rng(seed).random((*shown.judged.shape, points.shape[1]))
+    found = np.zeros((*shown.judged.shape, 3))
+    for row, column in zip(*np.nonzero(shown.judged), strict=True):
         u = (points + shifts[row, column]) % 1.0
         place, normal, wo = eye.sees(row + u[:, 0], column + u[:, 1])
         found[row, column] = radiance(model, lights, place, normal, wo, u[:, 2:]).mean(axis=0)
@@ -94,7 +95,7 @@ class Eye:
         camera = shown.scene.camera
         turned = np.array(camera.matrix_world.to_3x3()).T * np.array([[1.0], [1.0], [-1.0]])
         half = camera.data.sensor_width / camera.data.lens / 2.0
-        return cls(np.array(camera.location), turned, half, np.array(shown.item.location), shown.seen.shape[0])
+        return cls(np.array(camera.location), turned, half, np.array(shown.item.location), shown.judged.shape[0])
 
     def sees(self, row: Floats, column: Floats) -> tuple[Floats, Floats, Floats]:
         """Places on the ball, normals and wo at points of the picture, in pixels from its upper left; (N, 3) each."""
@@ -235,8 +236,7 @@ def lights_of(shown: Stage) -> list[Light]:
 
 
 def _world(shown: Scene) -> list[Light]:
-    tree = shown.world.node_tree
-    colour = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBackground").inputs["Color"]
+    colour = background(shown.world).inputs["Color"]
     if not colour.is_linked:
         level = np.array(colour.default_value[:3])
         return [Even(level)] if level.any() else []

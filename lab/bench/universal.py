@@ -30,6 +30,7 @@ from ...addon.models import base_name, label, parameter, symbol
 from ...nodegroups import absorption, cook_torrance, cook_torrance_albedo, lamp, ramp, shading_normal, versions
 from ...nodegroups._tree import Value, output
 from ...nodegroups.lamp_beams import beam_interfaces
+from ..scenery import add_node, wire
 from .any_fresnel import ANY, any_kind, by_data
 from .universal_data import LOBES, NAME, NEUTRAL, REVISION, moving, property_name, universal_name
 
@@ -97,13 +98,8 @@ def _add(made: Material, output: Node, choice: Choice, parts: Sequence[str]) -> 
     node = _group_node(tree, nodegroups.ensure(name, REVISION, partial(_build, form=form, parts=parts)), NAME)
     for socket in node.outputs:
         place = output.inputs["Volume" if socket.name == "Volume" else "Surface"]
-        shown = socket
-        if place.is_linked:
-            both = tree.nodes.new("ShaderNodeAddShader")
-            tree.links.new(place.links[0].from_socket, both.inputs[0])
-            tree.links.new(socket, both.inputs[1])
-            shown = both.outputs[0]
-        tree.links.new(shown, place)
+        before = place.links[0].from_socket if place.is_linked else None
+        wire(tree, add_node(tree, "AddShader", Shader=before, Shader_001=socket) if before else socket, place)
     if "To Lamp 1" in node.inputs:
         for index in range(1, form.lamps + 1):
             if index <= len(choice.lamps):
@@ -120,8 +116,8 @@ def _spare(tree: ShaderNodeTree, node: Node, index: int, choice: Choice) -> None
     group = nodegroups.ensure(name, lamp.REVISION, partial(lamp.build_osl if osl else lamp.build, **variant))
     source = _group_node(tree, group, f"Lamp {index}")
     for of, kept in (("axis", "Vector"), ("strength", "Fac")):
-        datum = tree.nodes.new("ShaderNodeAttribute")
-        datum.attribute_type, datum.attribute_name = "OBJECT", property_name(f"lamp {index}", of)
+        name = property_name(f"lamp {index}", of)
+        datum = add_node(tree, "Attribute", attribute_type="OBJECT", attribute_name=name)
         tree.links.new(output(datum, kept), source.inputs[of.title()])
     tree.links.new(source.outputs["To Lamp"], node.inputs[f"To Lamp {index}"])
     tree.links.new(source.outputs["Irradiance"], node.inputs[f"Irradiance {index}"])

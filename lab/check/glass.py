@@ -15,12 +15,13 @@ import numpy as np
 
 from ... import headless, nodegroups
 from ...addon.blender import gonio
-from ...addon.blender.inputs import give
+from ...addon.models import label, parameter
 from ...addon.reference import Glass, glass_btdf, reflect, smith_g, vgroove_g1
 from ...addon.reference.directions import dot
 from ...addon.reference.glass import pane, refraction_facet, transmitted_g
 from ...addon.reference.quadrature import vgroove_mean
-from ...nodegroups import glass_closure, glass_mirror, versions
+from ...nodegroups import glass_closure, glass_mirror
+from ..scenery import add_node, surface
 from .rows import ROUNDING, SETUPS, Plan, Row, Setup, View, side_by_side
 from .views import SUN_ANGLES, WINDOW, disc, furnace, pooled_view, sun_radiance
 
@@ -60,14 +61,9 @@ def probe(
     make = module.build_osl if setup.backend == "osl" else module.build
     name = f"{module.NAME}{' Sheet' * thin}{' Smooth' * (m == 0)}{' (OSL)' * (setup.backend == 'osl')}"
     group = nodegroups.ensure(name, module.REVISION, partial(make, thin=thin, smooth=m == 0))
-    made = versions.empty_material(name)
-    tree = made.node_tree
-    node, output = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeOutputMaterial")
-    node.node_tree = group
-    node.inputs["IOR"].default_value, node.inputs["Base Color"].default_value = eta, (*tint, 1.0)
-    if m > 0:
-        give("m", node.inputs["Roughness"], m)
-    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    of = {"eta": eta, "tint": tint} | ({"m": m} if m > 0 else {})
+    given = {label("glass", key): parameter(key).scale.to_input(value) for key, value in of.items()}
+    made = surface(name, lambda tree: add_node(tree, "Group", node_tree=group, **given))
     made.cycles.use_bump_map_correction = estimator != "mirror"  # it would bend the sampled facets
     return made
 

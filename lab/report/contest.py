@@ -23,7 +23,7 @@ AGAINST = ("closure", "mirror")  # what a winner is compared with
 
 @dataclass(frozen=True)
 class Win:
-    """The estimator with the smallest error at so many seconds, or samples; over: the errors of ``AGAINST`` over its.
+    """The estimator with the smallest error at so many seconds; over: the errors of ``AGAINST`` over its.
 
     An estimator whose error is unknown neither wins nor is in ``over``; nor is one that rarely hits the light.
     """
@@ -96,40 +96,27 @@ class Contest:
 
     @cached_property
     def wins(self) -> list[Win]:
-        """At each of 1, 2, 5, 10, ... seconds, and tenths of them, at which every rival was measured."""
-        if not self.rivals:
-            return []
-        last = min(float(np.max(curve.cpu)) for curve in self.rivals)
-        times = [float(f"{digit}e{power}") for power in range(-6, 6) for digit in (1, 2, 5)]
-        judged = [seconds for seconds in times if self.judged_from <= seconds <= last]
-        return self._wins([(at, {curve.estimator: curve.error_at(at) for curve in self.rivals}) for at in judged])
+        """At each of 1, 2, 5, 10, ... seconds, and tenths of them, at which every rival was measured.
 
-    @cached_property
-    def wins_of_samples(self) -> list[Win]:
-        """At each sample count, with equal samples: what can be said where setup dominates and ``wins`` is empty."""
+        None where an error is unknown that might be the smallest.
+        """
+        last = min((float(np.max(curve.cpu)) for curve in self.rivals), default=0.0)
+        times = [float(f"{digit}e{power}") for power in range(-6, 6) for digit in (1, 2, 5)]
+        may_win = {curve.estimator for curve in self.rivals if curve.last is not None and not curve.rarely_hit}
         found = []
-        for index, count in enumerate(self.cell.samples):
-            errors = {c.estimator: float(c.rmse[index]) if c.resolved[index] else np.inf for c in self.rivals}
-            found.append((float(count), errors))
-        return self._wins(found)
+        for at in (seconds for seconds in times if self.judged_from <= seconds <= last):
+            errors = {curve.estimator: curve.error_at(at) for curve in self.rivals}
+            known = {name: error for name, error in errors.items() if np.isfinite(error)}
+            if known and may_win <= known.keys():
+                winner, error = min(known.items(), key=lambda one: one[1])
+                against = [name for name in AGAINST if name in known and name not in self.rarely_hit and error > 0.0]
+                found.append(Win(at, winner, error, {name: known[name] / error for name in against}))
+        return found
 
     @cached_property
     def rarely_hit(self) -> set[str]:
         """Estimators whose errors here come from a handful of hits."""
         return {curve.estimator for curve in self.rivals if curve.rarely_hit}
-
-    def _wins(self, errors_at: list[tuple[float, dict[str, float]]]) -> list[Win]:
-        """The winners where no error is unknown that might be the smallest."""
-        may_win = [curve.estimator for curve in self.rivals if curve.last is not None and not curve.rarely_hit]
-        found = []
-        for at, errors in errors_at:
-            known = {name: error for name, error in errors.items() if np.isfinite(error)}
-            if not known or any(name not in known for name in may_win):
-                continue
-            winner, error = min(known.items(), key=lambda one: one[1])
-            against = [name for name in AGAINST if name in known and name not in self.rarely_hit and error > 0.0]
-            found.append(Win(at, winner, error, {name: known[name] / error for name in against}))
-        return found
 
     @cached_property
     def picks(self) -> list[Pick]:

@@ -9,6 +9,7 @@ Imports no bpy.
 from __future__ import annotations
 
 import re
+from functools import partial
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -25,13 +26,15 @@ if TYPE_CHECKING:
 
     from ...addon.models import Parameter
     from ..bench.cells import Table
-    from .published import CurveFigures, Published
+    from .published import Published
 
 MARKED = re.compile(r"<!-- report (\S+) -->(.*?)<!-- /report -->", re.DOTALL)
 PAGES = ("README.md", "docs/*.md")
 LONGEST_PAGE = 10_000_000  # bytes
 SPEED_SCENES = ("environment", "softbox", "sun")
 PEER = "Metallic BSDF"  # whose time and noise are 1
+ERRATA = ("area", "head_on", "oblique")  # tables
+L1 = ("short", "full", "qualitative", "full_5_3", "qualitative_5_3")
 
 
 def write(folder: Path, found: Published) -> Iterator[Path]:
@@ -86,18 +89,16 @@ def _table(found: Published, cell: str, name: str) -> Table:
     return next(run.tables[cell][name] for run in found.runs.values() if cell in run.tables)
 
 
-def _whole(cell: str, name: str, *formats: str) -> Callable[[Published], str]:
-    """A table as it is; formats: of the columns, the last one of all that follow."""
+def _whole(found: Published, cell: str, name: str, first: str, others: str) -> str:
+    """A table as it is; first, others: the format of the first column and of all others, "%" for 100 times."""
+    table = _table(found, cell, name)
+    forms = [first] + [others] * (len(table.columns) - 1)
+    rows = ([_number(*one) for one in zip(row, forms, strict=True)] for row in table.rows)
+    return _markdown(table.columns, rows)
 
-    def shown(found: Published) -> str:
-        table = _table(found, cell, name)
-        return _markdown(table.columns, ([form(value, k) for k, value in enumerate(row)] for row in table.rows))
 
-    def form(value: Any, column: int) -> str:
-        kind = formats[min(column, len(formats) - 1)]
-        return f"{100.0 * value:.1f}" if kind == "%" else format(value, kind)
-
-    return shown
+def _number(value: Any, form: str) -> str:
+    return f"{100.0 * value:.1f}" if form == "%" else format(value, form)
 
 
 def _markdown(columns: Any, rows: Any) -> str:
@@ -110,14 +111,10 @@ def _summary(found: Published) -> str:
     return "\n".join([f"Blender {blender}:", "", *(f"- {line}" for line in run.headlines)])
 
 
-def _fit_worst(highest: float) -> Callable[[Published], str]:
+def _fit_worst(found: Published, highest: float) -> str:
     """Of slopes up to ``highest``."""
-
-    def shown(found: Published) -> str:
-        rows = [row for row in _table(found, "fit", "l1").rows if row[0] <= highest]
-        return percent(max(value for row in rows for value in row[2::2]))
-
-    return shown
+    rows = [row for row in _table(found, "fit", "l1").rows if row[0] <= highest]
+    return percent(max(value for row in rows for value in row[2::2]))
 
 
 def _fit_l1(found: Published) -> str:
@@ -130,15 +127,12 @@ def _fit_l1(found: Published) -> str:
     return _markdown(["m", *(f"{view} deg" for view in views)], rows)
 
 
-def _extreme(column: str, form: str) -> Callable[[Published], str]:
-    def shown(found: Published) -> str:
-        table = _table(found, "oren_nayar", "extremes")
-        return format(table.rows[0][table.columns.index(column)], form)
-
-    return shown
+def _extreme(found: Published, column: str, form: str) -> str:
+    table = _table(found, "oren_nayar", "extremes")
+    return format(table.rows[0][table.columns.index(column)], form)
 
 
-def _formula_rows(table: str, estimator: str, found: Published) -> Iterator[tuple[str, float, float, float]]:
+def _formula_rows(found: Published, table: str, estimator: str) -> Iterator[tuple[str, float, float, float]]:
     """Setup, slope or sigma, largest difference and bar, on every Blender."""
     for run in found.runs.values():
         for row in run.tables["formula"][table].rows if "formula" in run.tables else ():
@@ -146,38 +140,22 @@ def _formula_rows(table: str, estimator: str, found: Published) -> Iterator[tupl
                 yield tuple(row[1:])
 
 
-def _formula(estimator: str) -> Callable[[Published], str]:
+def _formula(found: Published, estimator: str) -> str:
     """The worst of all setups and Blenders, by slope."""
-
-    def shown(found: Published) -> str:
-        rows = list(_formula_rows("cook_torrance", estimator, found))
-        slopes = sorted({m for _, m, _, _ in rows}, reverse=True)
-        worst = [max(off for _, m, off, _ in rows if m == one) for one in slopes]
-        bars = [max(bar for _, m, _, bar in rows if m == one) for one in slopes]
-        columns = ["m", *(f"{m:g}" for m in slopes)]
-        return _markdown(columns, [["worst", *map(_power, worst)], ["bar", *map(_power, bars)]])
-
-    return shown
+    rows = list(_formula_rows(found, "cook_torrance", estimator))
+    slopes = sorted({m for _, m, _, _ in rows}, reverse=True)
+    worst = [max(off for _, m, off, _ in rows if m == one) for one in slopes]
+    bars = [max(bar for _, m, _, bar in rows if m == one) for one in slopes]
+    lines = (["worst", *map(_power, worst)], ["bar", *map(_power, bars)])
+    return _markdown(["m", *(f"{m:g}" for m in slopes)], lines)
 
 
 def _formula_worst(
-    table: str, estimator: str, low: float, high: float, setups: Callable[[str], bool] = bool
-) -> Callable[[Published], str]:
-    """Of slopes or sigmas from ``low`` to ``high``."""
-
-    def shown(found: Published) -> str:
-        rows = _formula_rows(table, estimator, found)
-        return _power(max(off for setup, number, off, _ in rows if low <= number <= high and setups(setup)))
-
-    return shown
-
-
-def _is_svm(setup: str) -> bool:
-    return setup.endswith("SVM")
-
-
-def _is_osl(setup: str) -> bool:
-    return not _is_svm(setup)
+    found: Published, table: str, estimator: str, low: float = 0.0, high: float = 2.0, within: str = ""
+) -> str:
+    """Of slopes or sigmas from ``low`` to ``high``; within: of setups that run in "SVM", or in "OSL"."""
+    rows = _formula_rows(found, table, estimator)
+    return _power(max(off for setup, at, off, _ in rows if low <= at <= high and within in setup.upper()))
 
 
 def _power(value: float) -> str:
@@ -221,10 +199,6 @@ def _batch_stills(found: Published) -> str:
     return " and ".join(dict.fromkeys(str(of["stills"]) for of in _costs(found).values()))
 
 
-def _copper(found: Published, scene: str, contender: str) -> CurveFigures:
-    return found.default.scenes[f"{scene}/copper"].curves[contender]
-
-
 def _speed(found: Published) -> str:
     """Time a sample, and noise at equal samples, over the peer's, by estimator and scene."""
     scenes = {name: found.default.scenes[f"{name}/copper"].curves for name in SPEED_SCENES}
@@ -254,12 +228,9 @@ def _osl(found: Published) -> str:
     return times(median(ratios))
 
 
-def _fit_time(scene: str) -> Callable[[Published], str]:
-    def shown(found: Published) -> str:
-        fit, closure = (_copper(found, scene, f"{name}, nodes") for name in ("fit", "closure"))
-        return times(fit.seconds_per_sample / closure.seconds_per_sample)
-
-    return shown
+def _fit_time(found: Published, scene: str) -> str:
+    curves = found.default.scenes[f"{scene}/copper"].curves
+    return times(curves["fit, nodes"].seconds_per_sample / curves["closure, nodes"].seconds_per_sample)
 
 
 def _parameters(rows: Iterable[tuple[str, Parameter, str]], first: str) -> str:
@@ -289,34 +260,28 @@ FIGURES: dict[str, Callable[[Published], str]] = {
     "models": _models,
     "fresnel": _fresnel,
     "summary": _summary,
-    "fit.gentle": _fit_worst(0.4),
-    "fit.rough": _fit_worst(1.0),
+    "fit.gentle": partial(_fit_worst, highest=0.4),
+    "fit.rough": partial(_fit_worst, highest=1.0),
     "fit.l1": _fit_l1,
-    "formula.direct": _formula("direct"),
-    "formula.closure": _formula("closure"),
-    "formula.wide": _formula_worst("cook_torrance", "direct", 0.1, 1.0),
-    "formula.narrow": _formula_worst("cook_torrance", "direct", 0.02, 0.02),
-    "formula.svm": _formula_worst("cook_torrance", "direct", 0.3, 1.0, _is_svm),
-    "formula.diffuse_svm": _formula_worst("oren_nayar", "direct", 0.0, 2.0, _is_svm),
-    "formula.diffuse_osl": _formula_worst("oren_nayar", "direct", 0.0, 2.0, _is_osl),
-    "formula.diffuse_closure": _formula_worst("oren_nayar", "closure", 0.0, 2.0),
-    "errata.area": _whole("errata", "area", "g", ".6f"),
-    "errata.head_on": _whole("errata", "head_on", "g", ".6f"),
-    "errata.oblique": _whole("errata", "oblique", "g", ".6f"),
-    "oren_nayar.short": _whole("oren_nayar", "short", ".2f", "%"),
-    "oren_nayar.full": _whole("oren_nayar", "full", ".2f", "%"),
-    "oren_nayar.qualitative": _whole("oren_nayar", "qualitative", ".2f", "%"),
-    "oren_nayar.full_5_3": _whole("oren_nayar", "full_5_3", ".2f", "%"),
-    "oren_nayar.qualitative_5_3": _whole("oren_nayar", "qualitative_5_3", ".2f", "%"),
-    "oren_nayar.weight": _extreme("weight", ".1f"),
-    "oren_nayar.albedo": _extreme("albedo", ".2f"),
-    "keys.keys": _whole("keys", "keys", ""),
+    "formula.direct": partial(_formula, estimator="direct"),
+    "formula.closure": partial(_formula, estimator="closure"),
+    "formula.wide": partial(_formula_worst, table="cook_torrance", estimator="direct", low=0.1),
+    "formula.narrow": partial(_formula_worst, table="cook_torrance", estimator="direct", low=0.02, high=0.02),
+    "formula.svm": partial(_formula_worst, table="cook_torrance", estimator="direct", low=0.3, within="SVM"),
+    "formula.diffuse_svm": partial(_formula_worst, table="oren_nayar", estimator="direct", within="SVM"),
+    "formula.diffuse_osl": partial(_formula_worst, table="oren_nayar", estimator="direct", within="OSL"),
+    "formula.diffuse_closure": partial(_formula_worst, table="oren_nayar", estimator="closure"),
+    **{f"errata.{name}": partial(_whole, cell="errata", name=name, first="g", others=".6f") for name in ERRATA},
+    **{f"oren_nayar.{name}": partial(_whole, cell="oren_nayar", name=name, first=".2f", others="%") for name in L1},
+    "oren_nayar.weight": partial(_extreme, column="weight", form=".1f"),
+    "oren_nayar.albedo": partial(_extreme, column="albedo", form=".2f"),
+    "keys.keys": partial(_whole, cell="keys", name="keys", first="", others=""),
     "keys.worst": _keys_worst,
     "keys.exponential": _keys_exponential,
     "batch.cost": _batch,
     "batch.stills": _batch_stills,
     "speed.samples": _speed,
     "speed.osl": _osl,
-    "speed.fit_environment": _fit_time("environment"),
-    "speed.fit_softbox": _fit_time("softbox"),
+    "speed.fit_environment": partial(_fit_time, scene="environment"),
+    "speed.fit_softbox": partial(_fit_time, scene="softbox"),
 }

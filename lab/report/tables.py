@@ -57,7 +57,7 @@ def sections(run: Run) -> list[Section]:
 
 
 def _wins(run: Run) -> Iterator[Section]:
-    """Scenes by times; and those at equal samples where setup dominates all times."""
+    """Scenes by times."""
     seconds = sorted({win.at for _, win in run.wins})
     rows = []
     for contest in run.contests:
@@ -71,20 +71,6 @@ def _wins(run: Run) -> Iterator[Section]:
         "are omitted.",
         ("scene, subject", *(f"{at:g} s" for at in seconds)),
         rows,
-    )
-    yield Section(
-        "The smallest error at equal samples",
-        "Scenes in which setup dominates every render time.",
-        ("scene, subject", "setup dominates up to", "samples: smallest error"),
-        [
-            [
-                contest.title,
-                f"{contest.judged_from:.3g} s",
-                "; ".join(f"{win.at:g}: {win_text(win)}" for win in contest.wins_of_samples),
-            ]
-            for contest in run.contests
-            if contest.wins_of_samples and not contest.wins
-        ],
     )
 
 

@@ -118,7 +118,7 @@ def test_a_pixels_first_sample_has_numbers_of_its_own_by_every_seed(blender, est
             (1, True, 2),
         ):
             shown.scene.frame_set(frame)
-            drawn.append(gonio.rendered(shown.scene)[shown.seen])
+            drawn.append(gonio.rendered(shown.scene)[shown.judged])
     hits = [image > 0.0 for image in drawn]  # what mirror's facets see of the lamp; its strength is what it is
     one, later, two, *animated = hits if estimator == "mirror" else drawn
     assert np.array_equal(one, later)

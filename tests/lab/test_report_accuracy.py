@@ -144,7 +144,7 @@ def test_each_scene_shows_its_ball_where_it_is_judged(name, blender):
     if name == "checker":
         assert 0.1 < lit.mean() < 0.9
     else:
-        assert lit[shown.seen].all()
+        assert lit[shown.judged].all()
 
 
 def test_the_error_of_a_slope_is_how_much_it_scatters():

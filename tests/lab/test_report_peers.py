@@ -21,7 +21,7 @@ COPPER = (0.95, 0.64, 0.54)
 
 @pytest.fixture(scope="module")
 def peer():
-    with mitsuba_peer.Peer() as begun:
+    with mitsuba_peer.started() as begun:
         yield begun
 
 
@@ -240,7 +240,7 @@ def test_mitsuba_says_what_it_cannot_render_and_goes_on(peer):
 def test_mitsuba_falls_back_to_a_variant_that_works(blender, monkeypatch):
     """One that cannot be had, or whose process ends, is passed over; a process that is lost later is told of."""
     monkeypatch.setattr(mitsuba_peer, "VARIANTS", ("no_such_variant", "scalar_rgb"))
-    with mitsuba_peer.Peer() as begun:
+    with mitsuba_peer.started() as begun:
         assert begun.variant == "scalar_rgb"
         begun._process.kill()
         with pytest.raises(mitsuba_peer.PeerError, match=r"\(scalar_rgb\) ended \(SIGKILL, as where memory runs out\)"):

@@ -30,7 +30,7 @@ def rendered(shown, seeds):
     found = []
     for seed in seeds:
         shown.scene.cycles.seed = seed
-        found.append(gonio.rendered(shown.scene).astype(np.float64)[shown.seen])
+        found.append(gonio.rendered(shown.scene).astype(np.float64)[shown.judged])
     return np.stack(found)
 
 
@@ -51,7 +51,7 @@ def test_a_diffuse_ball_is_what_cycles_renders(name, blender):
     """
     with headless.quiet(), scenes.stage(name, SIZE) as shown:
         lambert(shown, (0.5, 0.3, 0.7))
-        exact = [truth.picture(shown, Lambert((0.5, 0.3, 0.7)), SAMPLES, seed)[shown.seen] for seed in range(8)]
+        exact = [truth.picture(shown, Lambert((0.5, 0.3, 0.7)), SAMPLES, seed)[shown.judged] for seed in range(8)]
         off, error = compared(rendered(shown, range(1, 9)), np.stack(exact))
     assert abs(off) < 4.0 * error + 6e-4
     assert 4.0 * error + 6e-4 < 0.005
@@ -64,12 +64,12 @@ def test_both_ways_of_drawing_agree(name, m, blender, monkeypatch):
     """With the lights' draws alone, and with the model's weighed in: the same light, though the noise is another."""
     model = CookTorrance(m, Schlick((0.9, 0.6, 0.3)))
     with headless.quiet(), scenes.stage(name, SIZE) as shown:
-        both = np.stack([truth.picture(shown, model, SAMPLES, seed)[shown.seen] for seed in range(8)])
+        both = np.stack([truth.picture(shown, model, SAMPLES, seed)[shown.judged] for seed in range(8)])
         if name == "sun":  # an even sky needs no draws of its own
             monkeypatch.setattr(truth, "_world", lambda _shown: [])
-            both = np.stack([truth.picture(shown, model, SAMPLES, seed)[shown.seen] for seed in range(8)])
+            both = np.stack([truth.picture(shown, model, SAMPLES, seed)[shown.judged] for seed in range(8)])
         monkeypatch.setattr(CookTorrance, "pdf", lambda _self, wi, _wo: np.zeros(wi.shape[:-1]))
-        alone = np.stack([truth.picture(shown, model, SAMPLES, seed)[shown.seen] for seed in range(8, 16)])
+        alone = np.stack([truth.picture(shown, model, SAMPLES, seed)[shown.judged] for seed in range(8, 16)])
     off, error = compared(alone, both)
     assert abs(off) < 5.0 * error
     assert error < 0.01
@@ -79,7 +79,7 @@ def test_pictures_of_a_seed_are_the_same_and_of_two_independent(blender):
     model = contenders.subjects()["plastic"].reference()
     with headless.quiet(), scenes.stage("softbox", 6) as shown:
         one, same, other = (truth.picture(shown, model, 64, seed) for seed in (1, 1, 2))
-        assert not one[~shown.seen].any()
+        assert not one[~shown.judged].any()
     assert np.array_equal(one, same)
     noise = [np.std(of - (one + other) / 2.0) for of in (one, other)]
     assert noise[0] == pytest.approx(noise[1])

@@ -3,7 +3,7 @@
 
 LOCAL           whether light leaves the surface where it arrives, so that f alone says what a ball looks like
 cycles(preset)  Cycles' own materials that an artist would take instead, as ``nodes.Peer``
-native(tree, preset)  the socket of the nearest material of Cycles' own nodes, wired by hand
+native(tree, preset)  the node of the nearest material of Cycles' own, wired by hand
 mitsuba(preset) the nearest BSDF of Mitsuba, as its dictionary; None if there is none
 UNIVERSAL       what of the universal material's data the model sets: weights that its presets lack, and switches
 """

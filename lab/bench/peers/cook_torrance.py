@@ -11,18 +11,20 @@ from scipy.optimize import minimize_scalar
 
 from ....addon.reference.fresnel import F82_COSINE, fresnel_conductor, schlick
 from ....nodegroups import versions
+from ...scenery import add_node
 from ..mitsuba_scenes import rgb, roughness
-from .nodes import BECKMANN, LOBE, Peer, bsdf, colour, principled
+from .nodes import BECKMANN, LOBE, Peer, colour, principled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import NodeSocket, ShaderNodeTree
+    from bpy.types import Node, ShaderNodeTree
 
     from ....addon.library.presets import Preset
 
 LOCAL = True
 UNIVERSAL = {"s": 1.0}
+F82: dict[str, Any] = BECKMANN | {"fresnel_type": "F82"}
 
 
 def cycles(preset: Preset) -> Iterator[Peer]:
@@ -30,23 +32,22 @@ def cycles(preset: Preset) -> Iterator[Peer]:
     of: dict[str, Any] = preset.parameters
     f0, rough = of["f0"], of["m"] ** 0.5
     metallic = {"Base Color": f0, "Edge Tint": (1.0, 1.0, 1.0), "Roughness": rough}
-    yield Peer("Metallic BSDF", "Smith's G", "Metallic", metallic, BECKMANN | {"fresnel_type": "F82"})
-    glossy = {"Color": f0, "Roughness": rough}
-    yield Peer("Glossy BSDF", "Smith's G; reflects the same share at every angle", "Glossy", glossy, BECKMANN)
+    yield Peer("Metallic BSDF", "Smith's G", "BsdfMetallic", F82 | metallic)
+    glossy = BECKMANN | {"Color": f0, "Roughness": rough}
+    yield Peer("Glossy BSDF", "Smith's G; reflects the same share at every angle", "BsdfGlossy", glossy)
     yield principled(LOBE, Base_Color=f0, Metallic=1.0, Roughness=rough)
 
 
-def native(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
+def native(tree: ShaderNodeTree, preset: Preset) -> Node:
     """F82, exact head-on and at 82 degrees for any Fresnel term; a dielectric's own term where Cycles has it."""
     rough = preset.m**0.5
     if preset.kind == "dielectric" and versions.EXACT_CONDUCTOR:
-        indices = {"IOR": (preset.parameters["eta"],) * 3, "Extinction": (0.0,) * 3}
-        return bsdf(tree, "Metallic", BECKMANN | {"fresnel_type": "PHYSICAL_CONDUCTOR"}, **indices, Roughness=rough)
+        exact = BECKMANN | {"fresnel_type": "PHYSICAL_CONDUCTOR", "IOR": (preset.parameters["eta"],) * 3}
+        return add_node(tree, "BsdfMetallic", **exact, Extinction=(0.0,) * 3, Roughness=rough)
     reflectance = preset.reference_fresnel()
     head_on, edge = (np.asarray(colour(reflectance(cos).tolist())) for cos in (1.0, F82_COSINE))
     tint = np.clip(edge / schlick(F82_COSINE, np.clip(head_on, 0.0, 1.0)), 0.0, 1.0)
-    colours = {"Base Color": tuple(head_on), "Edge Tint": tuple(tint)}
-    return bsdf(tree, "Metallic", BECKMANN | {"fresnel_type": "F82"}, Roughness=rough, **colours)
+    return add_node(tree, "BsdfMetallic", **F82, Roughness=rough, Base_Color=tuple(head_on), Edge_Tint=tuple(tint))
 
 
 def mitsuba(preset: Preset) -> dict[str, Any] | None:

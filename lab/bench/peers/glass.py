@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ...scenery import add_node
 from ..mitsuba_scenes import roughness
-from .nodes import BECKMANN, LOBE, Peer, bsdf, colour, principled
+from .nodes import BECKMANN, LOBE, Peer, colour, principled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import NodeSocket, ShaderNodeTree
+    from bpy.types import Node, ShaderNodeTree
 
     from ....addon.library.presets import Preset
 
@@ -22,13 +23,14 @@ UNIVERSAL = {"glass": 1.0}
 def cycles(preset: Preset) -> Iterator[Peer]:
     of: dict[str, Any] = preset.parameters
     numbers = {"IOR": of["eta"], "Roughness": of["m"] ** 0.5}
-    yield Peer("Glass BSDF", "Smith's G", "Glass", {"Color": of["tint"], **numbers}, BECKMANN)
+    yield Peer("Glass BSDF", "Smith's G", "BsdfGlass", BECKMANN | {"Color": of["tint"]} | numbers)
     yield principled(LOBE, Base_Color=of["tint"], Transmission_Weight=1.0, **numbers)
 
 
-def native(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
+def native(tree: ShaderNodeTree, preset: Preset) -> Node:
     of: dict[str, Any] = preset.parameters
-    return bsdf(tree, "Glass", BECKMANN, Color=colour(of["tint"]), IOR=of["eta"], Roughness=preset.m**0.5)
+    numbers = BECKMANN | {"Color": colour(of["tint"]), "IOR": of["eta"], "Roughness": preset.m**0.5}
+    return add_node(tree, "BsdfGlass", **numbers)
 
 
 def mitsuba(preset: Preset) -> dict[str, Any] | None:

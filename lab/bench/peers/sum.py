@@ -13,7 +13,7 @@ from .nodes import COAT, LEVEL, LOBE, Peer, native_parts, principled
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import NodeSocket, ShaderNodeTree
+    from bpy.types import Node, ShaderNodeTree
 
     from ....addon.library.presets import Preset
 
@@ -33,7 +33,7 @@ def cycles(preset: Preset) -> Iterator[Peer]:
     )
 
 
-def native(tree: ShaderNodeTree, preset: Preset) -> NodeSocket:
+def native(tree: ShaderNodeTree, preset: Preset) -> Node:
     of: dict[str, Any] = preset.parameters
     return native_parts(tree, preset, (of["d"], of["s"]))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How an extreme case is measured: a function for each kind, from what is varied and a setup to ``Seen``."""
+"""How an extreme case is measured: a function for each kind, from what is varied and a setup to ``Outcome``."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ COLUMN = SKY.wo()[:, :1]
 ALL, SMOOTH_LOSS = 1024, check_glass.SMOOTH_BAR  # bounces, as many as Cycles makes; of light, to rounding
 DARKEST = 0.5  # smallest share of the formula's albedo by estimators that only come near it; none of them is black
 MAX_SILENT_ROUNDING = 0.01  # share of the lobe's peak; larger rounding errors are reported
-NOISY = 312  # cases that are judged by Z, for Sidak's correction; a test compares it with the table
+NOISY_CASES = 312  # cases that are judged by Z-tests, for Sidak's correction; a test compares it with the table
 
 
 @dataclass(frozen=True)
-class Seen:
+class Outcome:
     """What a case gave. image: (..., 3). alike: pixels of a row should be equal, up to noise. row: to be judged by Z.
 
     holds: whether what only this kind of case must show is so. more: further fields of ``Case``.
@@ -59,12 +59,12 @@ class Seen:
     more: dict[str, float] = field(default_factory=dict)
 
 
-def sky(estimator: str, change: Callable[[float], Preset], value: float, setup: Setup) -> Seen:
+def sky(estimator: str, change: Callable[[float], Preset], value: float, setup: Setup) -> Outcome:
     """Any preset under a white sky, by an estimator that is no more than near the formula."""
     preset = change(value)
     image = measure(preset, setup, estimator, SKY, SAMPLES)
     limit = _warned(preset, setup, estimator, "slope")
-    return Seen(image, alike=True, limit=limit, **_lit(image, albedo(preset.reference(), COLUMN)))
+    return Outcome(image, alike=True, limit=limit, **_lit(image, albedo(preset.reference(), COLUMN)))
 
 
 def _lit(image: NDArray[np.float64], formula: NDArray[np.float64]) -> dict[str, Any]:
@@ -79,19 +79,19 @@ def _warned(preset: Preset, setup: Setup, estimator: str, key: str) -> str:
     return next((problem.text for problem in found if problem.key == key), "")
 
 
-def facets(change: Callable[[float], Preset], value: float, setup: Setup) -> Seen:
+def facets(change: Callable[[float], Preset], value: float, setup: Setup) -> Outcome:
     """Cook-Torrance by ``mirror`` under a white sky, whose mean and variance are known."""
     preset = change(value)
     m, F = float(np.float32(preset.m)), preset.reference_fresnel()
     moments = albedo(CookTorrance(m, F), COLUMN), vgroove_albedo(COLUMN, m, F, moment=2)
-    seen = weighed(measure(preset, setup, "mirror", SKY, SAMPLES), setup, *moments)
+    found = weighed(measure(preset, setup, "mirror", SKY, SAMPLES), setup, *moments)
     if not 0.0 < np.max(moments[0]) < LIGHTEST:
-        return seen
+        return found
     warned = _warned(preset, setup, "mirror", "faint")
-    return replace(seen, limit=warned, holds=bool(warned) and not seen.image.any())
+    return replace(found, limit=warned, holds=bool(warned) and not found.image.any())
 
 
-def diffuse(kind: str, sigma: float, setup: Setup) -> Seen:
+def diffuse(kind: str, sigma: float, setup: Setup) -> Outcome:
     """Oren-Nayar by ``mirror`` under a white sky."""
     preset = check_oren_nayar.preset(kind, sigma)
     model = check_oren_nayar.model(preset)
@@ -100,7 +100,7 @@ def diffuse(kind: str, sigma: float, setup: Setup) -> Seen:
     return weighed(image, setup, model.directional_albedo(COLUMN), square)
 
 
-def glass(inside: bool, m: float, eta: float, setup: Setup) -> Seen:  # noqa: FBT001 - bound by place in the table
+def glass(inside: bool, m: float, eta: float, setup: Setup) -> Outcome:  # noqa: FBT001 - bound by place in the table
     """Glass by ``mirror``: R + T under a white sky."""
     ahead = float(np.float32(1.0) / np.float32(eta) if inside else np.float32(eta))
 
@@ -114,7 +114,9 @@ def glass(inside: bool, m: float, eta: float, setup: Setup) -> Seen:  # noqa: FB
     return weighed(image, setup, found[..., :1], found[..., 1:2])
 
 
-def weighed(image: NDArray[np.float64], setup: Setup, mean: NDArray[np.float64], square: NDArray[np.float64]) -> Seen:
+def weighed(
+    image: NDArray[np.float64], setup: Setup, mean: NDArray[np.float64], square: NDArray[np.float64]
+) -> Outcome:
     """``image`` of a white sky beside the moments (rows, 1, channels) of one sample.
 
     A sample is worth 0 to 1. A variance of v then is that of at least v N rare events among N samples, and pixels are
@@ -123,16 +125,16 @@ def weighed(image: NDArray[np.float64], setup: Setup, mean: NDArray[np.float64],
     mean, square = (np.broadcast_to(part, image.shape) for part in (mean, square))
     events = SAMPLES * np.maximum(square - mean**2, 0.0)[..., 0]
     view = pooled_view(SKY, events, image, mean, square, SAMPLES)
-    return Seen(image, alike=True, row=Row("sky", setup, views=[view]))
+    return Outcome(image, alike=True, row=Row("sky", setup, views=[view]))
 
 
-def native_glass(inside: bool, m: float, eta: float, setup: Setup) -> Seen:  # noqa: FBT001 - the same
+def native_glass(inside: bool, m: float, eta: float, setup: Setup) -> Outcome:  # noqa: FBT001 - the same
     made = check_glass.probe(setup, "closure", eta, m)
     image = check_glass.measure_probe(made, setup, replace(SKY, inside=inside), SAMPLES)
-    return Seen(image, alike=True, **_lit(image, np.ones(image.shape)))  # next to all of it, at this m
+    return Outcome(image, alike=True, **_lit(image, np.ones(image.shape)))  # next to all of it, at this m
 
 
-def grazing_view(m: float, theta: float, setup: Setup) -> Seen:
+def grazing_view(m: float, theta: float, setup: Setup) -> Outcome:
     """The white sky by ``mirror``, by views within 1/64 of what is left to the horizon."""
     geometry = gonio.Geometry(theta, window=max(90.0 - theta, 1e-5) / 64, furnace=True, resolution=(16, 8))
     image = measure(white(m), setup, "mirror", geometry, SAMPLES)
@@ -143,13 +145,13 @@ def grazing_view(m: float, theta: float, setup: Setup) -> Seen:
 def _grazing_moments(m: float, geometry: gonio.Geometry) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Two of one sample, the same in every setup."""
     held, F, (width, height) = float(np.float32(m)), white(m).reference_fresnel(), geometry.resolution
-    half = seen(geometry)[: height // 2]  # rows are alike above and below the middle
+    half = float32_wo(geometry)[: height // 2]  # rows are alike above and below the middle
     moments = albedo(CookTorrance(held, F), half), vgroove_albedo(half, held, F, moment=2)
     first, second = (np.concatenate([part, part[::-1]]).reshape(height, width, 3) for part in moments)
     return first, second
 
 
-def seen(geometry: gonio.Geometry) -> NDArray[np.float64]:
+def float32_wo(geometry: gonio.Geometry) -> NDArray[np.float64]:
     """``geometry.wo()`` from angles in degrees that float32 holds, as the camera has them: near 90 by 2^-17."""
     if not geometry.window:
         return geometry.wo()
@@ -162,7 +164,7 @@ def seen(geometry: gonio.Geometry) -> NDArray[np.float64]:
     return wo / np.linalg.norm(wo, axis=-1, keepdims=True)
 
 
-def grazing_light(estimator: str, m: float, theta: float, setup: Setup) -> Seen:
+def grazing_light(estimator: str, m: float, theta: float, setup: Setup) -> Outcome:
     """The sun at theta, on the hemisphere and around its mirror direction, against the formula.
 
     Cosine-free: no share of light. Around it as far as the horizon's half or, if that is less, four times the slope.
@@ -176,7 +178,7 @@ def grazing_light(estimator: str, m: float, theta: float, setup: Setup) -> Seen:
     approximate = fresnel_approximation(setup, "dielectric") if estimator in {*NATIVE, "corrected"} else 0.0
     limits = [_warned(preset, setup, estimator, "fresnel") if approximate else ""]
     limits += _rounded(max(view.bar for view in views) - approximate, float(np.min(images)))
-    return Seen(
+    return Outcome(
         np.stack(images), limit="; ".join(filter(None, limits)), holds=bool(worst.error <= worst.bar),
         more={"error": worst.error, "bar": worst.bar},
     )  # fmt: skip
@@ -207,7 +209,7 @@ def beside(image: NDArray[np.float64], geometry: gonio.Geometry, estimator: str,
     c, by no more than all of it.
     """
     theta, m = _held(geometry.theta_i), preset.m
-    wi, wo = np.array([np.sin(theta), 0.0, np.cos(theta)]), seen(geometry)
+    wi, wo = np.array([np.sin(theta), 0.0, np.cos(theta)]), float32_wo(geometry)
     brighter = np.cos(theta) / np.cos(np.radians(geometry.theta_i))
     native = estimator in {*NATIVE, "corrected"}
     approximate = fresnel_approximation(setup, "dielectric") if native else 0.0
@@ -239,7 +241,7 @@ def _held(theta: float) -> float:
     return float(np.float32(np.radians(theta)))
 
 
-def out_of_range(name: str, usual: Callable[[], Preset], value: float, setup: Setup) -> Seen:
+def out_of_range(name: str, usual: Callable[[], Preset], value: float, setup: Setup) -> Outcome:
     """A value that presets refuse, and what the shader makes of it where a script sets it all the same."""
     of = usual()
     try:
@@ -250,17 +252,17 @@ def out_of_range(name: str, usual: Callable[[], Preset], value: float, setup: Se
         refused = ""
     made = build(of, Choice(setup.backend, "mirror"))
     socket = parameter_sockets(made)[name]
-    kept = tuple(socket.default_value) if socket.type == "RGBA" else socket.default_value
-    held = scale_of(name, socket).to_input(value)
-    socket.default_value = (held, held, held, 1.0) if socket.type == "RGBA" else held
+    usual_value = tuple(socket.default_value) if socket.type == "RGBA" else socket.default_value
+    given = scale_of(name, socket).to_input(value)
+    socket.default_value = (given, given, given, 1.0) if socket.type == "RGBA" else given
     with headless.quiet():
         image = gonio.measure(made, SKY, samples=SAMPLES, shading_osl=setup.shading_osl)
-    socket.default_value = kept
+    socket.default_value = usual_value
     limit = f"presets and jobs refuse it: {refused}" if refused else ""
-    return Seen(image.astype(np.float64), alike=True, limit=limit, holds=bool(refused))
+    return Outcome(image.astype(np.float64), alike=True, limit=limit, holds=bool(refused))
 
 
-def picture(shot: Shot, setup: Setup) -> Seen:
+def picture(shot: Shot, setup: Setup) -> Outcome:
     """A white plane, far away, large, small, moving. Of what moves the panel says nothing."""
     photo = stability_pictures.photo(shot, setup)
     image, moves = photo.row.views[0].measured, shot.moving == "object"
@@ -271,20 +273,20 @@ def picture(shot: Shot, setup: Setup) -> Seen:
     else:
         holds = 2.0 * photo.numbers >= FEWEST_RAYS * stability_pictures.SAMPLES
     more = {"noise": photo.noise, "numbers": photo.numbers, "rays": photo.rays}
-    return Seen(image, row=photo.row, limit=limit, holds=bool(holds), more=more)
+    return Outcome(image, row=photo.row, limit=limit, holds=bool(holds), more=more)
 
 
-def copies(shot: Shot, setup: Setup) -> Seen:
+def copies(shot: Shot, setup: Setup) -> Outcome:
     """Two instances far apart: each as it should be, and with noise of its own."""
     first, second = (stability_pictures.photo(one, setup) for one in (shot, stability_pictures.other_copy(shot)))
     a, b = (one.row.views[0].measured[..., 0].ravel() for one in (first, second))
     alike = float(np.corrcoef(a, b)[0, 1])  # of 1024 independent pixels: 0 with a standard deviation of 1/32
     both = replace(first.row, test="instances", views=[first.row.views[0], second.row.views[0]])
     images = np.stack([view.measured for view in both.views])
-    return Seen(images, row=both, holds=abs(alike) * a.size**0.5 < limit(NOISY))
+    return Outcome(images, row=both, holds=abs(alike) * a.size**0.5 < limit(NOISY_CASES))
 
 
-def bounces(estimator: str, most: int, setup: Setup) -> Seen:
+def bounces(estimator: str, most: int, setup: Setup) -> Outcome:
     """Nine balls that mirror all light, close together: they go black by none but the bounces that are cut.
 
     A sample of ``mirror`` is worth at most 1; of ``hybrid`` only the mean is, within its bound, and 4 x 4 pixels are
@@ -294,12 +296,12 @@ def bounces(estimator: str, most: int, setup: Setup) -> Seen:
     share = float(image.mean())
     holds, more = share >= DARKEST or not most, {"share": share}
     if estimator == "mirror":
-        return Seen(image, limit=cut(most), holds=holds, more=more)
+        return Outcome(image, limit=cut(most), holds=holds, more=more)
     blocks = image.reshape(8, 4, 8, 4, 3).swapaxes(1, 2).reshape(64, 16, 3)
-    return Seen(blocks, alike=True, limit=cut(most), holds=holds, more=more)
+    return Outcome(blocks, alike=True, limit=cut(most), holds=holds, more=more)
 
 
-def inside_glass(most: int, setup: Setup) -> Seen:
+def inside_glass(most: int, setup: Setup) -> Outcome:
     """A smooth glass ball under a white sky gives back all of it but for paths that are cut, of which the panel warns.
 
     A path that is trapped takes hundreds of bounces, as facets are flat; that loses little, and is stated alone.
@@ -309,7 +311,7 @@ def inside_glass(most: int, setup: Setup) -> Seen:
     lost = float(1.0 - image.mean())
     limit = f"{warned or cut(most)} ({100.0 * lost:.2g} % of all light)" if lost > SMOOTH_LOSS else ""
     holds = bool(warned) == (most < FEWEST_BOUNCES) and (most < ALL or not limit)
-    return Seen(image, limit=limit, holds=holds)
+    return Outcome(image, limit=limit, holds=holds)
 
 
 def cut(most: int) -> str:
