@@ -44,6 +44,11 @@ class _Conversion:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         found, done = convert.in_slots(context.selected_objects), {}
+        refused = [text for items in found.values() for item in items if (text := self.flaw(item))]
+        if refused:
+            self.report({"ERROR"}, refused[0])
+            return {"CANCELLED"}
+        images = set(bpy.data.images)
         try:
             for made, items in found.items():
                 done[made] = convert.convert(made)
@@ -51,6 +56,8 @@ class _Conversion:
         except InputError as error:
             for one in done.values():
                 bpy.data.materials.remove(one.material)
+            for image in set(bpy.data.images) - images:
+                bpy.data.images.remove(image)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         for made, items in found.items():
@@ -59,6 +66,11 @@ class _Conversion:
         names = ", ".join(one.material.name for one in done.values())
         self.report({"WARNING"} if left else {"INFO"}, ". ".join([f"Made: {names}", *left]))
         return {"FINISHED"}
+
+    @staticmethod
+    def flaw(_item: bpy.types.Object) -> str:
+        """Why it cannot be done for an object, and what to do; empty if it can."""
+        return ""
 
     def finish(self, _of: Converted, _made: bpy.types.Material, _items: list[bpy.types.Object]) -> list[str]:
         """What is done beyond; returns what was left out."""
@@ -95,6 +107,8 @@ class VGROOVE_OT_bake(_Conversion, bpy.types.Operator):
         max=bake.SIZES[1],
         subtype="PIXEL",
     )
+
+    flaw = staticmethod(bake.flaw)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_props_dialog(self, confirm_text="Bake")
