@@ -68,7 +68,7 @@ class _Conversion:
         return {"FINISHED"}
 
     @staticmethod
-    def flaw(_item: bpy.types.Object) -> str:
+    def flaw(item: bpy.types.Object) -> str:
         """Why it cannot be done for an object, and what to do; empty if it can."""
         return ""
 
@@ -108,7 +108,9 @@ class VGROOVE_OT_bake(_Conversion, bpy.types.Operator):
         subtype="PIXEL",
     )
 
-    flaw = staticmethod(bake.flaw)
+    @staticmethod
+    def flaw(item: bpy.types.Object) -> str:
+        return bake.flaw(item)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_props_dialog(self, confirm_text="Bake")

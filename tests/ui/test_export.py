@@ -126,7 +126,7 @@ def test_what_is_left_out_is_reported(extension):
         report=lambda kind, text: said.append((kind, text)), finish=lambda *_: [], flaw=lambda _item: ""
     )
     export.VGROOVE_OT_to_principled.execute(button, extension.context)
-    assert said == [({"WARNING"}, "Made: Copper Principled. Copper Principled leaves out what is linked to n")]
+    assert said == [({"WARNING"}, "Made: Copper Principled. Copper Principled leaves out what is linked to IOR")]
 
 
 def test_a_bake_that_fails_leaves_nothing_behind(extension, monkeypatch):
