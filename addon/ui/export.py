@@ -68,7 +68,7 @@ class _Conversion:
         return {"FINISHED"}
 
     @staticmethod
-    def flaw(item: bpy.types.Object) -> str:
+    def flaw(item: bpy.types.Object) -> str:  # noqa: ARG004 - of the subclass
         """Why it cannot be done for an object, and what to do; empty if it can."""
         return ""
 
