@@ -151,7 +151,7 @@ class Tree:
                     if hasattr(item, name):
                         setattr(copy, name, getattr(item, name))
 
-    def given(self, name: str) -> Value:
+    def input_named(self, name: str) -> Value:
         """The input made before under this name."""
         return Value(self, self._input.outputs[name])
 
@@ -228,11 +228,11 @@ class Tree:
         """A nested node group; nothing of it connected yet."""
         return self.node("ShaderNodeGroup", node_tree=node_tree, label=node_tree.name)
 
-    def passing(self, node_tree: bpy.types.ShaderNodeTree, names: Mapping[str, str] | None = None) -> Node:
+    def nested_with_inputs(self, node_tree: bpy.types.ShaderNodeTree, names: Mapping[str, str] | None = None) -> Node:
         """A nested node group, fed by the inputs made here under its inputs' names, or what ``names`` calls them."""
         node = self.nested(node_tree)
         for socket in node.inputs:
-            self.connect(self.given((names or {}).get(socket.name, socket.name)), socket)
+            self.connect(self.input_named((names or {}).get(socket.name, socket.name)), socket)
         return node
 
     def group(self, node_tree: bpy.types.ShaderNodeTree, **inputs: Number) -> Node:

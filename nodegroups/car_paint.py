@@ -30,16 +30,16 @@ def build(
     """``base`` and ``lobe``: the groups of the parts, by the same estimator and backend; ``averaged``: as of sums."""
     of_base = renamed(MODEL.name, "oren_nayar")
     tree.inputs_of(base, of_base)
-    shaders = [tree.passing(base, of_base).outputs[0]]
+    shaders = [tree.nested_with_inputs(base, of_base).outputs[0]]
     if averaged:
-        shaders[0] = tree.weighted(shaders[0], typical_smoothing(tree, tree.given("Normal")))
+        shaders[0] = tree.weighted(shaders[0], typical_smoothing(tree, tree.input_named("Normal")))
     for k in range(1, lobes + 1):
         own = {one.label: label(MODEL.name, f"{one.name}_{k}") for one in MODEL.lobes if one != SHARE}
         with tree.panel(f"Lobe {k}"):
             s = add_input(tree, SHARE, prefix=f"Lobe {k} ")
             tree.inputs_of(lobe, own)
         with tree.frame(f"Lobe {k}"):
-            shaders.append(tree.weighted(tree.passing(lobe, own).outputs[0], s))
+            shaders.append(tree.weighted(tree.nested_with_inputs(lobe, own).outputs[0], s))
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 

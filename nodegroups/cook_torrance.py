@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..addon.models.cook_torrance import MODEL, SLOPE
 from ..addon.models.fresnel import KINDS
 from . import fresnel, osl_script, shading_normal
-from .parameters import add_input, given
+from .parameters import add_input, existing_input
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -37,8 +37,8 @@ def interface(tree: Tree, kind: str, *, native: bool = False) -> Inputs:
 
 def inherited_inputs(tree: Tree, kind: str, names: Mapping[str, str]) -> Inputs:
     """The same in a group that repeats another group's inputs by these ``names`` (``Tree.inputs_of``)."""
-    terms = {one.name: given(tree, one, names) for one in KINDS[kind].parameters}
-    return Inputs(terms, given(tree, SLOPE, names), tree.given("Normal"))
+    terms = {one.name: existing_input(tree, one, names) for one in KINDS[kind].parameters}
+    return Inputs(terms, existing_input(tree, SLOPE, names), tree.input_named("Normal"))
 
 
 def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:

@@ -20,5 +20,5 @@ OUTPUT = "EEVEE"
 def add_closure(tree: Tree, closure: bpy.types.ShaderNodeTree) -> None:
     """A second output: the group ``closure``, its inputs linked to those of the same name."""
     with tree.frame("What EEVEE shows: Cycles' own closure"):
-        node = tree.passing(closure)
+        node = tree.nested_with_inputs(closure)
     tree.output_shader(OUTPUT, node.outputs[0], tip="To a Material Output for EEVEE")

@@ -22,7 +22,7 @@ from .oren_nayar_table import LAMBERT, table
 
 NAME = "VGroove Oren-Nayar Closure"
 REVISION = 4
-TIP = "To the material's Surface. Cycles' own model: off by up to {} at a roughness of .7, {} at 1"
+TIP = "To the material's Surface. Cycles' own model: off by up to {} at a Roughness of 0.65, {} at 1"
 OFF = {
     cycles.UNTIL_5_2: {"full": ("16 %", "39 %"), "qualitative": ("30 %", "68 %")},
     cycles.SINCE_5_3: {"full": ("17 %", "41 %"), "qualitative": ("32 %", "73 %")},

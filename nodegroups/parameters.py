@@ -33,9 +33,9 @@ def add_input(tree: Tree, of: Parameter, *, native: bool = False, prefix: str = 
     return tree.input_vector(name, of.default, low=of.low, high=of.high, tip=tip, held=True)
 
 
-def given(tree: Tree, of: Parameter, names: Mapping[str, str]) -> Value:
+def existing_input(tree: Tree, of: Parameter, names: Mapping[str, str]) -> Value:
     """A parameter, of the input made before for it under its label, or what ``names`` calls that; held to its range."""
-    value = tree.given(names.get(of.label, of.label))
+    value = tree.input_named(names.get(of.label, of.label))
     return value if of.is_rgb else of.scale.of_input(hold(value, *map(of.scale.to_input, (of.low, of.high))))
 
 

@@ -43,11 +43,11 @@ def build(
         with tree.frame("What the specular part leaves"):
             d = d * (1.0 - s * E)
     if averaged:
-        d = d * typical_smoothing(tree, tree.given("Normal"))
+        d = d * typical_smoothing(tree, tree.input_named("Normal"))
     shaders = []
     for part, name, weight in ((diffuse, "diffuse", d), (specular, "specular", s)):
         with tree.frame(part.name):
-            shaders.append(tree.weighted(tree.passing(part, names[name]).outputs[0], weight))
+            shaders.append(tree.weighted(tree.nested_with_inputs(part, names[name]).outputs[0], weight))
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 

@@ -45,7 +45,7 @@ def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bo
         weight = (1.0 - E) * typical_smoothing(tree, inputs.normal) if averaged else 1.0 - E
         below = tree.weighted(output(body, "BSSRDF"), weight)
     with tree.frame(coat.name):
-        above = tree.passing(coat, names).outputs[0]
+        above = tree.nested_with_inputs(coat, names).outputs[0]
     tree.output_shader("BSDF", tree.add_shaders([below, above]), tip="To the material's Surface")
 
 

@@ -11,7 +11,7 @@ import sys
 from typing import TYPE_CHECKING
 
 import numpy as np
-from make_presets import head_on, identity_of, linear, main, passing, text_of
+from make_presets import head_on, identity_of, linear, main, text_of, tint_of
 from optical_constants import table
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def _text(row: dict[str, str]) -> str:
         values |= {"model": "translucent", "reflectance": colour, "mean_free_path": [float(row["mean_free_path"])] * 3}
     elif form == "clear":
         values |= {"model": "glass", "eta": eta, "m": float(row["m"]), "m_range": [0.0, 0.5]}
-        values |= {} if row["colour"] == "ffffff" else {"tint": passing(row["colour"])}
+        values |= {} if row["colour"] == "ffffff" else {"tint": tint_of(row["colour"])}
         tables = {"source": tables["source"], "verified": head_on(eta)}
         return _made(values, tables)
     else:

@@ -86,7 +86,7 @@ def rgb(row: dict[str, str], key: str) -> NDArray[np.float64]:
 
 
 # How colour and roughness are known, by how the sentence on trust begins.
-KNOWN = {
+EVIDENCE = {
     "nothing is measured": ("by eye", "by eye"),
     "authored": ("by eye", "by eye"),
     "n and k are measured": ("measured", "by eye"),
@@ -98,6 +98,7 @@ KNOWN = {
     "eta is quoted, not traced to a measurement; colour": ("by eye", "by eye"),
     "eta is quoted": ("quoted", "by eye"),
     "eta is measured; colour": ("by eye", "by eye"),
+    "eta, at 587.6 nm, is measured; absorption is left out": ("by eye", "by eye"),
     "eta": ("measured", "by eye"),
     "the two indices are measured": ("measured", "by eye"),
     "colours, r and m are fits to measurements": ("measured", "measured"),
@@ -106,9 +107,9 @@ KNOWN = {
 }
 
 
-def how_known(trust: str) -> dict[str, object]:
-    """The first entry of KNOWN that fits."""
-    return next(dict(zip(("colour", "roughness"), known, strict=True)) for how, known in KNOWN.items()
+def evidence_of(trust: str) -> dict[str, object]:
+    """The first entry of EVIDENCE that fits."""
+    return next(dict(zip(("colour", "roughness"), known, strict=True)) for how, known in EVIDENCE.items()
                 if trust.startswith(how))  # fmt: skip
 
 
@@ -116,7 +117,7 @@ def text_of(values: dict[str, object], **tables: dict[str, object] | list[dict[s
     """A preset's file: numbers to six digits."""
     source = tables["source"]
     assert isinstance(source, dict)
-    tables["source"] = source | how_known(str(source["trust"]))
+    tables["source"] = source | evidence_of(str(source["trust"]))
     return HEAD + toml(rounded(values), **{name: rounded(content) for name, content in tables.items()})
 
 
@@ -248,7 +249,7 @@ def single_indices() -> Iterator[tuple[str, str]]:
             passes = "colour is by eye" if colour else "no absorption: what passes is not tinted"
             trust = f"eta is quoted, not traced to a measurement; {passes}; m = 0 is an ideal polish"
             values = described(row["family"], row["material"], "glass") | {"m": 0.0, "m_range": (0.0, 0.5), "eta": n}
-            values |= {"tint": passing(colour)} if colour else {}
+            values |= {"tint": tint_of(colour)} if colour else {}
             tables = {"source": source | {"trust": trust}, "verified": head_on(n)}
         else:
             trust = f"eta is quoted, not traced to a measurement; colour is chosen; {LOOK}"
@@ -270,7 +271,7 @@ def linear(hexadecimal: str) -> NDArray[np.float64]:
     return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
 
 
-def passing(colour: str) -> NDArray[np.float64]:
+def tint_of(colour: str) -> NDArray[np.float64]:
     """The tint of one surface of a body that shows ``colour`` (sRGB): light passes two, in any size."""
     return np.round(np.sqrt(linear(colour)), 4)
 

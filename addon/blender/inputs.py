@@ -43,7 +43,7 @@ def value_of(name: str, socket: NodeSocket) -> float | tuple[float, ...]:
 
 def give(name: str, socket: NodeSocket, value: Any) -> None:
     """Write a parameter, in the working space, into its input."""
-    held = scale_of(name, socket).to_input(parameter(name).held(value))
+    held = scale_of(name, socket).to_input(parameter(name).storable(value))
     socket.default_value = (*held, 1.0) if socket.type == "RGBA" else held
 
 

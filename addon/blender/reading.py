@@ -259,7 +259,7 @@ def _in_rec709(material: Material) -> dict[str, Any]:
     """
     if colour_space.KEY not in material:
         return {}
-    built = {name: parameter(name).held(of) for name, of in record_in(material).preset.parameters.items()}
+    built = {name: parameter(name).storable(of) for name, of in record_in(material).preset.parameters.items()}
     read = colour_space.read(values_of(material), built, colour_space.of(material))
     found = {}
     for name, socket in parameter_sockets(material).items():

@@ -15,23 +15,34 @@ if TYPE_CHECKING:
 
 
 class Entry(NamedTuple):
-    """A node: its name, the preset whose form and numbers it begins with, and what it is for."""
+    """A node: its name, the preset whose form and numbers it begins with, what it is for, and everyday words for it."""
 
     label: str
     preset: str
     tip: str
+    words: str
 
 
-# Names and tips by everyday words, as the search of the Add menu finds them.
+# The search of the Add menu looks through labels and words.
 NODES = {
-    "metal": Entry("Metal", "metals_schlick/copper_schlick", "Copper, gold, steel, chrome: a colour and an edge tint"),
-    "measured_metal": Entry("Measured Metal", "metals/copper", "A metal by its refractive index, as measured"),
-    "plastic": Entry("Plastic or Lacquer", "plastics/abs_plastic", "A colour under a clear, glossy surface"),
-    "diffuse": Entry("Plaster, Clay or Cloth", "diffuse/clay", "A rough, matt surface without gloss: Oren-Nayar"),
-    "glass": Entry("Glass", "glasses/glass", "Glass, water, ice: light passes through, and bends"),
-    "pane": Entry("Window Pane", "glasses/window", "A thin sheet of glass: light passes straight through"),
-    "car_paint": Entry("Car Paint", "car_paints/blue", "A colour under several layers of gloss"),
-    "translucent": Entry("Skin, Wax or Marble", "translucent/marble", "Light scatters below a glossy surface"),
+    "metal": Entry(
+        "Metal", "metals_schlick/copper_schlick", "A metal by a color and an edge tint", "copper, gold, steel, chrome"
+    ),
+    "measured_metal": Entry(
+        "Measured Metal", "metals/copper", "A metal by its refractive index, as measured", "IOR and extinction"
+    ),
+    "plastic": Entry(
+        "Plastic", "plastics/abs_plastic", "A color below a clear, glossy surface", "lacquer, ceramic, varnish"
+    ),
+    "diffuse": Entry(
+        "Matte", "diffuse/clay", "A rough surface without gloss: Oren-Nayar", "plaster, clay, cloth, paper"
+    ),
+    "glass": Entry("Glass", "glasses/glass", "A clear body: light passes through, and bends", "water, ice, gem"),
+    "pane": Entry("Thin Glass", "glasses/window", "A sheet of glass: light passes straight through", "window, pane"),
+    "car_paint": Entry("Car Paint", "car_paints/blue", "A color under several layers of gloss", "metallic, flakes"),
+    "translucent": Entry(
+        "Translucent", "translucent/marble", "Light scatters below a glossy surface", "skin, wax, marble, milk"
+    ),
 }
 ESTIMATORS = ("fit", "closure")  # the first that a model has; both render in Cycles and EEVEE
 

@@ -37,7 +37,7 @@ LONGEST_NAME = 60  # characters (Blender keeps 63 bytes of a name)
 TOP_KEYS = {"name": str, "model": str, "kind": str, "fresnel": dict, "source": dict, "tags": list, "notes": str}
 TOP_KEYS |= {"m_range": list, "verified": dict, "time": dict}
 SOURCE_KEYS = ("data", "licence", "trust", "colour", "roughness")
-KNOWN = ("measured", "computed", "quoted", "by eye")  # how colour and roughness are known
+EVIDENCE = ("measured", "computed", "quoted", "by eye")  # how colour and roughness are known
 EXAMPLES = {
     "name": 'name = "Copper"',
     "model": 'model = "cook_torrance"',
@@ -157,8 +157,8 @@ def _source(where: str, table: dict[str, Any]) -> dict[str, str]:
     for key, value in table.items():
         check_key(where, key, SOURCE_KEYS)
         as_typed(where, key, value, str)
-        if key in {"colour", "roughness"} and value not in KNOWN:
-            message = f'{where}: [source] {key} must be one of {", ".join(KNOWN)}, got "{value}"'
+        if key in {"colour", "roughness"} and value not in EVIDENCE:
+            message = f'{where}: [source] {key} must be one of {", ".join(EVIDENCE)}, got "{value}"'
             raise PresetError(message)
     if not table.get("data", "").strip():
         message = f'{where}: [source] has no "data"; say where the numbers come from'

@@ -43,7 +43,7 @@ class Preset:
         return self.id.split("/")[0]
 
     @property
-    def known(self) -> str:
+    def evidence(self) -> str:
         """How its colour and roughness are known, in Blender's words; "" where its file does not say."""
         colour, roughness = (self.source.get(key, "") for key in ("colour", "roughness"))
         if not colour or not roughness:

@@ -61,7 +61,7 @@ class Parameter:
     def is_rgb(self) -> bool:
         return isinstance(self.default, tuple)
 
-    def held(self, value: Number) -> Number:
+    def storable(self, value: Number) -> Number:
         """``value`` as an input can hold it: a smooth interface is the least roughness."""
         return max(value, self.low) if self.zero_is_smooth and isinstance(value, float) else value
 

@@ -92,7 +92,7 @@ class VGrooveNumbers(bpy.types.PropertyGroup):
     """Of a material of ours."""
 
     color: bpy.props.FloatVectorProperty(
-        name="Color", description="Colour that the metal reflects head-on. Editing it changes IOR and Extinction",
+        name="Color", description="Color that the metal reflects head-on. Editing it changes IOR and Extinction",
         subtype="COLOR", size=3, min=0.0, max=1.0, options=set(), get=_get_color, set=_set_color,
     )  # fmt: skip
     measured: bpy.props.BoolProperty(

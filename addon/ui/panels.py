@@ -230,8 +230,8 @@ def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, p
     column.template_icon_view(settings, "shown", show_labels=True, scale=7.0, scale_popup=5.0)
     row = column.row(align=True)
     row.prop(settings, "shown", text="")
-    if preset.known:
-        column.label(text=preset.known)
+    if preset.evidence:
+        column.label(text=preset.evidence)
     star = "SOLO_ON" if preset.id in memory.favourites() else "SOLO_OFF"
     row.operator("vgroove.favourite", text="", icon=star)
 

@@ -20,14 +20,16 @@ class VGROOVE_OT_add_node(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     shader: bpy.props.EnumProperty(
-        name="Shader", description="The model", items=[(name, *of[::2]) for name, of in shader_nodes.NODES.items()]
+        name="Shader",
+        description="The model",
+        items=[(name, of.label, of.tip) for name, of in shader_nodes.NODES.items()],
     )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         space = context.space_data
         tree = getattr(space, "edit_tree", None)
-        if tree is None or tree.bl_idname != "ShaderNodeTree" or space.shader_type != "OBJECT":
+        if tree is None or not tree.is_editable or tree.bl_idname != "ShaderNodeTree" or space.shader_type != "OBJECT":
             cls.poll_message_set("Open a material in the Shader Editor")
             return False
         return True
@@ -63,7 +65,7 @@ class VGROOVE_MT_shaders(bpy.types.Menu):
 
     def draw(self, _context: bpy.types.Context) -> None:
         for name, of in shader_nodes.NODES.items():
-            self.layout.operator("vgroove.add_node", text=of.label).shader = name
+            self.layout.operator("vgroove.add_node", text=f"{of.label} ({of.words})").shader = name
 
 
 def _draw(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:

@@ -54,7 +54,7 @@ class AnyFresnel:
 
 def _kind_input(tree: Tree, name: str = "kind") -> Value:
     tree.input_float(name, 0.0, low=0.0, high=10.0, tip="Which of several, by number")
-    return tree.given(name)  # after a panel it is not the last
+    return tree.input_named(name)  # after a panel it is not the last
 
 
 def _is(value: Value, index: int) -> Value:

@@ -254,7 +254,7 @@ class _Universal:
             lamps = socket.name.startswith(("To Lamp", "Irradiance"))
             value = self.normal if socket.name == "Normal" else inputs.get(socket.name)
             if lamps:
-                value = self.tree.given(socket.name)
+                value = self.tree.input_named(socket.name)
             if value is not None:  # Bound of hybrid stays as it is
                 self.tree.connect(value, socket)
         return self.tree.weighted(node.outputs[0], weight)

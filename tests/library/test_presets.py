@@ -202,12 +202,12 @@ def test_all_presets_are_read_in_little_more_than_their_toml_takes():
 
 def test_every_preset_that_ships_says_how_it_is_known():
     """In a word each, for the panel; looks say "by eye", and a word that is none is refused."""
-    assert all(preset.known for preset in presets.shipped().values())
-    assert presets.find("metals/copper").known == "Color measured, roughness by eye"
-    assert presets.find("wood/oak_raw").known == "Color and roughness by eye"
+    assert all(preset.evidence for preset in presets.shipped().values())
+    assert presets.find("metals/copper").evidence == "Color measured, roughness by eye"
+    assert presets.find("wood/oak_raw").evidence == "Color and roughness by eye"
     eyed = [one for one in presets.shipped().values() if one.source["trust"].startswith("nothing is measured")]
-    assert {one.known for one in eyed} == {"Color and roughness by eye"}
+    assert {one.evidence for one in eyed} == {"Color and roughness by eye"}
     text = 'name = "A"\nmodel = "cook_torrance"\nm = 0.1\n[fresnel]\neta = 1.5\n[source]\ndata = "here"\n'
-    assert presets.parse(text, "a/a", "a").known == ""
+    assert presets.parse(text, "a/a", "a").evidence == ""
     with pytest.raises(presets.PresetError, match="colour must be one of measured, computed, quoted, by eye"):
         presets.parse(text + 'colour = "guessed"\n', "a/a", "a")
