@@ -95,20 +95,19 @@ class Case:
     """An extreme case of ``stability.TABLE``.
 
     value: what is varied, a number, a text or the settings that are not as usual; held: what float32 shaders make of
-    it. setup: how it is rendered, "NumPy" for the reference alone. lowest, highest: of all pixels; of a white sky the
-    albedo, as the mean of pixels that should be equal. z: of a factor that scales all pixels together, in its standard
-    errors; resolves: the smallest such factor, less 1, that z would have distinguished from chance. again: where z
-    fails, whether another seed passes. limit: what is done in place of what was asked, "" if nothing. passed: all is
-    finite, not negative, no more light than came, unbiased or limited, and the checks of its group hold. error, bar: of
-    what needs no chance. noise: over what independent samples explain. numbers: different random numbers in a pixel;
-    rays: as many as the panel predicts. share: the smallest share of the formula's albedo that is seen.
+    it. setup: how it is rendered, "NumPy" for the reference alone. lowest, highest: of all pixels, None if one is not
+    finite; of a white sky the albedo, as the mean of pixels that should be equal. z: of a factor that scales all pixels
+    together, in its standard errors; resolves: the smallest such factor, less 1, that z would have distinguished from
+    chance. again: where z fails, whether another seed passes. limit: what is done in place of what was asked, "" if
+    nothing. passed: all is finite, not negative, no more light than came, unbiased or limited, and the checks of its
+    group hold. error, bar: of what needs no chance. noise: over what independent samples explain. numbers: different
+    random numbers in a pixel; rays: as many as the panel predicts.
     """
 
     group: str
     what: str
     value: Any
     setup: str
-    finite: bool
     passed: bool
     held: float | None = None
     lowest: float | None = None
@@ -122,7 +121,6 @@ class Case:
     noise: float | None = None
     numbers: float | None = None
     rays: float | None = None
-    share: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

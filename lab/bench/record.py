@@ -172,27 +172,22 @@ def json_text(content: Any) -> str:
 def read(path: Path) -> Report:
     """What a report.json holds. ReportError if it is none."""
     try:
-        content = json.loads(read_text(path, LONGEST_FILE))
+        return structured(json.loads(read_text(path, LONGEST_FILE)))
     except (ValueError, RecursionError) as error:
-        what = str(error) if isinstance(error, FileError) else "no report"
+        what = str(error) if isinstance(error, FileError | ReportError) else "no report"
         what = "not there" if isinstance(error.__cause__, FileNotFoundError) else what
-        message = f"{path}: {what}; name a report.json that `vgroove report -o DIR` wrote"
+        message = f"{path}: {what}; name a report.json as this `vgroove report -o DIR` writes it"
         raise ReportError(message) from error
+
+
+def structured(content: Any) -> Report:
+    """The report that JSON holds. ReportError says what is not as ``to_json`` writes it."""
     if not isinstance(content, dict) or "runs" not in content:
-        message = f"{path}: no report; name a report.json that `vgroove report -o DIR` wrote"
+        message = "no report"
         raise ReportError(message)
     if content.get("format") != FORMAT:
-        message = f"{path}: is of format {content.get('format')}, this vgroove reads {FORMAT}; measure again"
+        message = f"is of format {content.get('format')}, this vgroove reads {FORMAT}"
         raise ReportError(message)
-    try:
-        return structured(content)
-    except ReportError as error:
-        message = f"{path}: {error}; name a report.json as `vgroove report -o DIR` wrote it"
-        raise ReportError(message) from error
-
-
-def structured(content: dict[str, Any]) -> Report:
-    """The report that JSON holds. ReportError says what is not as ``to_json`` writes it."""
     report = _structured(content, Report, "")
     for blender, run in report.runs.items():
         if not re.fullmatch(r"[0-9]{1,4}(\.[0-9]{1,4}){0,3}", blender):

@@ -197,7 +197,7 @@ def judged(sweep: Sweep, value: Any, setup: Setup | None) -> Case:
     held = float(np.float32(value)) if setup and isinstance(value, float) else None
     passed = bool(least and as_required and found.holds)
     return Case(
-        group=sweep.group, what=sweep.what, value=_plain(value), setup=str(setup) if setup else "NumPy", finite=finite,
+        group=sweep.group, what=sweep.what, value=_plain(value), setup=str(setup) if setup else "NumPy",
         passed=passed, held=held, lowest=lowest, highest=highest, z=z, resolves=resolves, again=again,
         limit=found.limit, **{name: float(more) if np.isfinite(more) else None for name, more in found.more.items()},
     )  # fmt: skip

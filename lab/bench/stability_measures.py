@@ -64,13 +64,12 @@ def sky(estimator: str, change: Callable[[float], Preset], value: float, setup: 
     preset = change(value)
     image = measure(preset, setup, estimator, SKY, SAMPLES)
     limit = _warned(preset, setup, estimator, "slope")
-    return Outcome(image, alike=True, limit=limit, **_lit(image, albedo(preset.reference(), COLUMN)))
+    return Outcome(image, alike=True, limit=limit, holds=_is_lit(image, albedo(preset.reference(), COLUMN)))
 
 
-def _lit(image: NDArray[np.float64], formula: NDArray[np.float64]) -> dict[str, Any]:
-    """The least share of the formula's albedo that is seen: estimators differ, but none is black."""
-    share = float(np.min(image.mean(axis=1) / formula[:, 0]))
-    return {"holds": share >= DARKEST, "more": {"share": share}}
+def _is_lit(image: NDArray[np.float64], formula: NDArray[np.float64]) -> bool:
+    """Whether enough of the formula's albedo is seen: estimators differ, but none is black."""
+    return bool(np.min(image.mean(axis=1) / formula[:, 0]) >= DARKEST)
 
 
 def _warned(preset: Preset, setup: Setup, estimator: str, key: str) -> str:
@@ -131,7 +130,7 @@ def weighed(
 def native_glass(inside: bool, m: float, eta: float, setup: Setup) -> Outcome:  # noqa: FBT001 - the same
     made = check_glass.probe(setup, "closure", eta, m)
     image = check_glass.measure_probe(made, setup, replace(SKY, inside=inside), SAMPLES)
-    return Outcome(image, alike=True, **_lit(image, np.ones(image.shape)))  # next to all of it, at this m
+    return Outcome(image, alike=True, holds=_is_lit(image, np.ones(image.shape)))  # next to all of it, at this m
 
 
 def grazing_view(m: float, theta: float, setup: Setup) -> Outcome:
@@ -293,12 +292,11 @@ def bounces(estimator: str, most: int, setup: Setup) -> Outcome:
     judged together: what these differ by for other reasons only adds to what noise may explain.
     """
     image, _ = stability_pictures.heap(white(0.3), estimator, most, setup)
-    share = float(image.mean())
-    holds, more = share >= DARKEST or not most, {"share": share}
+    holds = bool(image.mean() >= DARKEST or not most)
     if estimator == "mirror":
-        return Outcome(image, limit=cut(most), holds=holds, more=more)
+        return Outcome(image, limit=cut(most), holds=holds)
     blocks = image.reshape(8, 4, 8, 4, 3).swapaxes(1, 2).reshape(64, 16, 3)
-    return Outcome(blocks, alike=True, limit=cut(most), holds=holds, more=more)
+    return Outcome(blocks, alike=True, limit=cut(most), holds=holds)
 
 
 def inside_glass(most: int, setup: Setup) -> Outcome:

@@ -91,7 +91,7 @@ def test_a_report_is_small_and_loses_nothing_but_digits(path):
 
 
 def case(**more):
-    return Case(**{"group": "b", "what": "", "value": 0.0, "setup": "", "finite": True, "passed": True} | more)
+    return Case(**{"group": "b", "what": "", "value": 0.0, "setup": "", "passed": True} | more)
 
 
 def test_what_is_next_to_1_is_not_1_and_what_is_no_number_is_null(path):

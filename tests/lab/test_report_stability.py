@@ -127,9 +127,9 @@ def view(image):
 
 
 def test_numbers_that_json_cannot_hold_are_null():
-    seen = Outcome(np.array([0.5]), more={"noise": float("nan"), "share": float("inf"), "rays": 3.0})
+    seen = Outcome(np.array([0.5]), more={"noise": float("nan"), "numbers": float("inf"), "rays": 3.0})
     found = stability.judged(Sweep("", "", (0.0,), lambda *_: seen), 0.0, SETUPS[0])
-    assert (found.noise, found.share, found.rays) == (None, None, 3.0)
+    assert (found.noise, found.numbers, found.rays) == (None, None, 3.0)
     json.dumps(record.CODEC.unstructure(found), allow_nan=False)
 
 
@@ -228,7 +228,7 @@ def test_presets_refuse_what_is_out_of_range_and_sockets_stay_finite(instrument)
     """The limit says the range."""
     sweep = next(sweep for sweep in stability.TABLE if sweep.group == "range" and sweep.what == "m")
     found = stability.judged(sweep, 1e-6, SETUPS[0])
-    assert found.finite
+    assert found.lowest is not None
     assert "between 0.0001 and 10" in found.limit
     with pytest.raises(presets.PresetError, match="between"):
         measures.white(1e-6)
