@@ -7,8 +7,9 @@ no light along and meets the lights of its new scene. ``follow`` rewrites a rig 
 kind.
 
 Drivers use simple expressions only, so they run where Python scripts are barred. A light that is hidden, deleted,
-excluded from the view layer that is rendered, renamed, or of another kind than it was when the rig was written gives
-nothing until the rig is rewritten; estimators that see it by themselves then show it in their own way.
+excluded from the view layer that is rendered, renamed, linked to some objects only, or of another kind than it was when
+the rig was written gives nothing until the rig is rewritten; estimators that see it by themselves then show it in their
+own way. Drivers cannot see a light's nodes, which count from the next rewrite on.
 """
 
 from __future__ import annotations
@@ -243,18 +244,13 @@ def _surface(light: Light) -> float:
 
 
 def _has_own_nodes(tree: NodeTree) -> bool:
-    """Whether a light's nodes do more than the plain white Emission that Blender starts with."""
-    emissions = [node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission"]
-    others = [node for node in tree.nodes if node.bl_idname not in {"ShaderNodeEmission", "ShaderNodeOutputLight"}]
-    if others or len(emissions) != 1:
+    """Whether a light's nodes are not what Blender starts with: a plain white Emission, linked to the output."""
+    if sorted(node.bl_idname for node in tree.nodes) != ["ShaderNodeEmission", "ShaderNodeOutputLight"]:
         return True
-    color, strength = emissions[0].inputs["Color"], emissions[0].inputs["Strength"]
-    return (
-        color.is_linked
-        or strength.is_linked
-        or tuple(color.default_value) != (1, 1, 1, 1)
-        or strength.default_value != 1
-    )
+    emission = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission")
+    color, strength = (emission.inputs[name].default_value for name in ("Color", "Strength"))
+    linked = [link for link in tree.links if not (link.is_muted or emission.mute)]  # without, the light is black
+    return len(linked) != 1 or tuple(color) != (1, 1, 1, 1) or strength != 1
 
 
 # The rig
@@ -339,10 +335,12 @@ def _drive_strength(light: Light) -> None:
     }  # fmt: skip
     if slot.kind in AREAS:
         gates |= {"data.shape": "{} < 2" if slot.kind == "RECTANGLE" else "{} > 2", "data.size": "{} > 0"}
+        gates |= {"data.cycles.is_portal": "{} == 0"}
     else:
         gates["data.angle" if slot.kind == "SUN" else "data.shadow_soft_size"] = "{} > 0" if slot.sized else "{} <= 0"
-    names = dict(zip(gates, "ABCDFGJ", strict=False))
+    names = dict(zip(gates, "ABCDFGJM", strict=False))
     conditions = [gates[path].format(name) for path, name in names.items()]
+    conditions.append("K + L < -1")  # neither collection is there: both paths lead to their fallback, -1
     variables = {"e": "data.energy", "x": "data.exposure", "n": "data.normalize", **paths}
     variables |= {name: path for path, name in names.items()}
     here = light.source or (None if light.in_set else light.item)
@@ -350,8 +348,10 @@ def _drive_strength(light: Light) -> None:
         conditions.append("H >= 0")
     if light.source:
         conditions.append("I == 0")
-    expression = f"e * pow(2, x) * ({surface}) if {' and '.join(conditions)} else 0"
+    expression = f"e * pow(2, x) * ({surface}) if {' and '.join(conditions)} else 0"  # Blender takes 255 characters
     driver = _drive(light, "color", 3, expression, variables)
+    for name, of in (("K", "receiver"), ("L", "blocker")):
+        _object_variable(driver, name, light.item, f"light_linking.{of}_collection.hide_render", -1.0)
     if here is not None:
         # Only the view layer that is being rendered tells whether an object is in it: by name.
         path = f'objects["{bpy.utils.escape_identifier(here.name)}"].type'

@@ -315,8 +315,9 @@ def _followed_problems(known: SceneFacts, estimator: str, bound: Sequence[Light]
     name, rest = name_of(estimator), "left out" if estimator == "direct" else "rendered as Standard"
     if not known.followable and estimator == "corrected":
         yield Problem("lamps", f"{name} has no light to evaluate here; it renders like Standard")
-    for refused in (why for item, why in known.refusals.items() if any(one.item == item for one in known.lights)):
-        yield Problem("refused", refused[0].upper() + refused[1:])
+    for light, why in known.refusals.items():
+        if any(one.item == light.item for one in known.lights):  # a portal is none
+            yield Problem("refused", why[0].upper() + why[1:])
     brought = [one for one in known.unbound([*known.followable, *known.refusals]) if one.via]
     if brought:
         text = f"{name} does not evaluate lights from nested instances, particles or Geometry Nodes"

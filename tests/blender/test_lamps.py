@@ -99,6 +99,20 @@ def test_a_light_that_an_instance_or_a_set_brings_sends_what_cycles_own_sends(bl
     np.testing.assert_allclose(ours, cycles, atol=(0.02 if kind == "AREA" else 1e-5) * cycles.max())
 
 
+def test_the_longest_driver_fits_into_what_blender_takes(blender):
+    """255 characters, after which it cuts: that of an ellipse which an instance brings."""
+    stage, item = blender.context.scene, make_lamp(blender, "AREA")
+    item.data.shape = "ELLIPSE"
+    as_instance(stage, item)
+    lamps.follow(stage)
+    blender.context.view_layer.update()
+    drivers = [curve.driver for curve in stage.animation_data.drivers]
+    assert all(driver.is_valid and driver.is_simple_expression for driver in drivers)
+    longest = max((driver.expression for driver in drivers), key=len)
+    assert len(longest) > 200
+    assert longest.endswith(" else 0")
+
+
 def test_what_cannot_be_followed_is_refused_in_one_line(blender):
     """Portals, needles of light, sheared lamps, lamps with nodes and uneven spots are named with a way out."""
     stage = blender.context.scene

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bound lamps are followed: changed, hidden, deleted, copied with their scene, appended to another."""
 
-from functools import partial
 from math import pi
 
+import numpy as np
 import pytest
 
 from vgroove import headless
-from vgroove.addon.blender import follow, lamps, material, roles
+from vgroove.addon.blender import follow, gonio, lamps, material, roles
 from vgroove.addon.blender.choice import lamps_to_bind
+from vgroove.addon.choose import advice
 from vgroove.lab.check.cook_torrance import materials
+from vgroove.nodegroups import versions
 
 from .lights import add_mesh, make_lamp
 
@@ -17,14 +19,16 @@ pytestmark = pytest.mark.blender
 
 
 @pytest.fixture
-def bound(blender):
-    """A ball with a ``direct`` material bound to a sun; and a function that tells what the sun now gives."""
+def bound(blender, request):
+    """A ball with a ``direct`` material bound to a sun, or a lamp of the kind that a test asks for; and a function that
+    tells what it now gives."""
     stage = blender.context.scene
-    sun = make_lamp(blender, "SUN", 'The "sun"')
+    sun = make_lamp(blender, getattr(request, "param", "SUN"), 'The "sun"')
     stage.collection.objects.link(sun)
     made = material.build(materials()["schlick"], material.Choice("nodes", "direct", lamps_to_bind(stage, "direct")))
     add_mesh(blender, stage, "Ball", 1.0, 0.0, made)
-    return blender, stage, sun, made, partial(told, blender)
+    (entry,) = material.bound_slots(made)
+    return blender, stage, sun, made, lambda of=entry: told(blender, of)
 
 
 def told(bpy, entry="SUN 1"):
@@ -103,19 +107,69 @@ def hidden_from_glossy(_bpy, _stage, sun):
     sun.visible_glossy = False
 
 
+def light_linked(bpy, _stage, sun):
+    sun.light_linking.receiver_collection = bpy.data.collections.new("Lit")
+
+
+def shadow_linked(bpy, _stage, sun):
+    sun.light_linking.blocker_collection = bpy.data.collections.new("Blockers")
+
+
+def made_a_portal(_bpy, _stage, area):
+    area.data.cycles.is_portal = True
+    area.data.update_tag()  # as Blender does when an artist clicks it
+
+
+def emission_of(sun):
+    tree = versions.nodes_of(sun.data)
+    return tree, next(node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission")
+
+
+def dimmed_by_nodes(_bpy, _stage, sun):
+    emission_of(sun)[1].inputs["Strength"].default_value = 0.3
+
+
+def coloured_by_nodes(_bpy, _stage, sun):
+    emission_of(sun)[1].inputs["Color"].default_value = (0.1, 0.5, 1.0, 1.0)
+
+
+def textured(_bpy, _stage, sun):
+    tree, emission = emission_of(sun)
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs[0], emission.inputs["Strength"])
+
+
+def unplugged(_bpy, _stage, sun):
+    tree, _ = emission_of(sun)
+    tree.links.clear()
+
+
+def muted(_bpy, _stage, sun):
+    emission_of(sun)[1].mute = True
+
+
 CHANGES = {
     renamed: "SUN 1", swapped: "SUN 1", retyped: "POINT 1", sized: "SUN sized 1", unshadowed: "SUN unshadowed 1",
-    hidden_from_glossy: None,
+    hidden_from_glossy: None, light_linked: None, shadow_linked: None, made_a_portal: None, dimmed_by_nodes: None,
+    coloured_by_nodes: None, textured: None, unplugged: None, muted: None,
 }  # fmt: skip
+# No driver sees these, or, of a swap, sees numbers as they were.
+SEEN_BY_FOLLOWING = {swapped, dimmed_by_nodes, coloured_by_nodes, textured, unplugged, muted}
+KIND_OF = {made_a_portal: "AREA"}
+each_change = pytest.mark.parametrize(
+    ("bound", "change"),
+    [(KIND_OF.get(change, "SUN"), change) for change in CHANGES],
+    ids=[change.__name__ for change in CHANGES],
+    indirect=["bound"],
+)
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=lambda of: of.__name__)
+@each_change
 def test_a_light_that_is_no_longer_what_it_was_gives_nothing_until_it_is_followed_again(bound, change):
     """Never what it is not: a sun's drivers on a point would be 114 times too bright. Nothing is written twice."""
     blender, stage, sun, _, strength = bound
     level, _ = strength()
     change(blender, stage, sun)
-    if change is not swapped:  # a light of its name is there, and the numbers are its own as before
+    if change not in SEEN_BY_FOLLOWING:
         assert strength()[0] == 0.0
     again = lamps.follow(stage)
     mine = next((light for light in again if light.item == sun), None)
@@ -153,7 +207,7 @@ def following():
     follow.unregister()
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=lambda of: of.__name__)
+@each_change
 def test_while_the_extension_is_on_lights_are_followed(bound, following, change):
     """Whatever changes, the next update has it."""
     blender, stage, sun, _, strength = bound
@@ -164,6 +218,51 @@ def test_while_the_extension_is_on_lights_are_followed(bound, following, change)
         assert list(stage[lamps.RIG].keys()) == [lamps.PLAN]
     else:
         assert strength(CHANGES[change])[0] == pytest.approx(level, rel=1e-6)
+
+
+@pytest.mark.parametrize("estimator", ["direct", "corrected"])
+@pytest.mark.parametrize("change", CHANGES, ids=lambda of: of.__name__)
+def test_a_changed_light_is_rendered_as_by_a_material_made_anew(blender, following, change, estimator):
+    """A light that the formula no longer takes is left out by ``direct``, and ``corrected`` is ``fit`` there; the
+    advice says so, but for a portal, which emits nothing."""
+    preset, refused = materials()["schlick"], CHANGES[change] is None
+    with headless.quiet(), gonio.stage((16, 16), samples=4, seed=0, shading_osl=False) as stage:
+        lamp = make_lamp(blender, KIND_OF.get(change, "SUN"))
+        stage.collection.objects.link(lamp)
+        stage.view_layers[0].update()
+        made = material.build(preset, material.Choice("nodes", estimator, lamps_to_bind(stage, estimator)))
+        floor = add_mesh(blender, stage, "Floor", 1.0, 0.0, made)
+        gonio.look_down(stage, 2.0, (0, 0, 5))
+        assert gonio.rendered(stage).max() > 0.1
+        stage.view_layers[0].update()  # so that the next update has the change alone
+        change(blender, stage, lamp)
+        stage.view_layers[0].update()
+        found = gonio.rendered(stage)
+        name, said = lamp.name, [one.text for one in advice.problems(stage, "nodes", estimator) if one.key == "refused"]
+        blender.data.materials.remove(made)
+        lights = lamps_to_bind(stage, estimator)
+        choice = material.Choice("nodes", estimator, lights)
+        if refused:
+            assert lights == ()
+            choice = material.Choice("nodes", "direct" if estimator == "direct" else "fit")
+        floor.data.materials[0] = material.build(preset, choice)
+        wanted = gonio.rendered(stage)
+    assert any(name in text for text in said) == (refused and change is not made_a_portal)
+    # Emission closures round when they are added: four sums of 6e-8, as in test_lamps.py; black is black.
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=4e-7 * wanted.max())
+
+
+def test_a_light_comes_back_when_its_linking_is_cleared(bound, following):
+    """By the deletion of the collection too."""
+    blender, _, sun, _, strength = bound
+    level, _ = strength()
+    for clear in (lambda: setattr(sun.light_linking, "receiver_collection", None),
+                  lambda: blender.data.collections.remove(sun.light_linking.receiver_collection)):  # fmt: skip
+        sun.light_linking.receiver_collection = blender.data.collections.new("Lit")
+        blender.context.view_layer.update()
+        assert list(blender.context.scene[lamps.RIG].keys()) == [lamps.PLAN]
+        clear()
+        assert strength()[0] == level
 
 
 def test_while_the_extension_is_on_materials_ask_for_lights_that_come(bound, following):

@@ -15,6 +15,7 @@ from vgroove.addon.choose import advice
 from vgroove.addon.library import presets
 from vgroove.headless import assignment, scene
 from vgroove.lab.bench import everyday_stage
+from vgroove.nodegroups import versions
 
 from ..scenes import (
     add,
@@ -61,6 +62,19 @@ def without_importance(shown):
     add_light(shown, "Area", "AREA", size=4.0).data.cycles.use_multiple_importance_sampling = False
 
 
+def linked(shown, kind):
+    light = add_light(shown, "Linked", "POINT")
+    setattr(light.light_linking, f"{kind}_collection", bpy.data.collections.new("Some"))
+
+
+def with_nodes(shown):
+    versions.nodes_of(add_light(shown, "Noded", "POINT").data).nodes.new("ShaderNodeLightFalloff")
+
+
+def portal(shown):
+    add_light(shown, "Portal", "AREA", size=2.0).data.cycles.is_portal = True
+
+
 def sky(shown):
     shine = add_world(shown, "Background")
     texture = shown.world.node_tree.nodes.new("ShaderNodeTexSky")
@@ -76,6 +90,13 @@ SITUATIONS = {
     "a light inside a collection instance": by_instance,
     "a light from a nested instance, particles or Geometry Nodes": by_nested_instance,
     "a light in a background set": in_background_set,
+    "a light with light linking": lambda shown: linked(shown, "receiver"),
+    "a light with shadow linking": lambda shown: linked(shown, "blocker"),
+    "a light with nodes of its own": with_nodes,
+    "a light hidden from diffuse or glossy rays": lambda shown: setattr(
+        add_light(shown, "Hidden", "POINT"), "visible_diffuse", False
+    ),
+    "a portal": portal,
     "a light whose Multiple Importance is off": without_importance,
     "a small emissive object": lambda shown: setattr(add_card(shown, "Emission"), "location", (0, 0, 9)),
     "the sun disc of a sky": sky,
