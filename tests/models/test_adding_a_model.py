@@ -49,8 +49,9 @@ def run(copy, *command):
 
 
 def test_the_model_of_the_page_passes_the_generic_tests(copy):
-    """Values, samples, albedo, file, sockets, both backends: all of test_registry.py."""
-    found = run(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/models/test_registry.py", "-k", "minnaert")
+    """Values, samples, albedo, file, sockets, both backends, rows of the quick plan: all of test_registry.py."""
+    tests = ("tests/models/test_registry.py", "-k", "minnaert or quick_plan")
+    found = run(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests)
     passed = int(re.search(r"(\d+) passed", found)[1])
     assert passed >= 10
 
@@ -61,6 +62,20 @@ def test_the_model_of_the_page_renders_by_its_formula(copy):
     assert all(float(error) < 2e-5 for error in found.split())  # the bar of ``direct``: lab/check
     assert len(found.split()) == 2
 
+
+def test_the_quick_plan_checks_the_model_of_the_page(copy):
+    """A row of each estimator, which passes, and would not of a reference 1 % brighter."""
+    assert run(copy, "-c", CHECK).splitlines() == ["closure True False", "direct True False"]
+
+
+CHECK = """
+from vgroove import headless
+headless.prepare()
+from vgroove.lab.check import plan
+rows = [row() for row in plan.quick_plan() if row.func.__module__ == "vgroove.lab.check.minnaert"]
+for row in rows:
+    print(row.test, row.passed, row.scaled(1.01).passed)
+"""
 
 MEASURE = """
 import numpy as np
