@@ -109,7 +109,7 @@ def test_a_pixels_first_sample_has_numbers_of_its_own_by_every_seed(blender, est
         rival = next(one for one in made if one.estimator == estimator)
         shown.item.active_material = rival.make(shown.scene)
         cycles = shown.scene.cycles
-        cycles.shading_system, cycles.samples = rival.osl, 1
+        cycles.shading_system, cycles.samples = backend == "osl", 1
         for cycles.seed, cycles.use_animated_seed, frame in (
             (1, False, 1),
             (1, False, 2),
