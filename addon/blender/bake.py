@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float32]
 
-SIZES = (16, 8192)  # pixels along a side
 SAMPLES = 4  # per pixel, for textures that are finer than one
 MARGIN = 1 / 64  # of a side: how far colours go on beyond the borders of UV islands
 CONSTANT = 1.5 / 255.0  # what varies by less than 8 bits can tell is one value

@@ -21,6 +21,9 @@ KEYS = (roles.KEY, colour_space.KEY, origin.STATE_1, origin.TIME_1)
 NO_NODE = "its node group was deleted; press Reset to Preset, which makes it again"
 
 
+SIZES = (16, 8192)  # pixels along a side
+
+
 @dataclass(frozen=True)
 class Converted:
     """A material made with Principled, that node, and what could not be carried over, a sentence each."""

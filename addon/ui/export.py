@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...nodegroups import versions
-from ..blender import bake, convert, usd
+from ..blender import convert
 from ..library.errors import InputError
 from .panels import InSidebar
 from .text import lines
@@ -103,19 +103,23 @@ class VGROOVE_OT_bake(_Conversion, bpy.types.Operator):
         name="Size",
         description="Width and height of each image map, in pixels",
         default=1024,
-        min=bake.SIZES[0],
-        max=bake.SIZES[1],
+        min=convert.SIZES[0],
+        max=convert.SIZES[1],
         subtype="PIXEL",
     )
 
     @staticmethod
     def flaw(item: bpy.types.Object) -> str:
+        from ..blender import bake  # what few sessions need is not read as Blender starts
+
         return bake.flaw(item)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_props_dialog(self, confirm_text="Bake")
 
     def finish(self, of: Converted, made: bpy.types.Material, items: list[bpy.types.Object]) -> list[str]:
+        from ..blender import bake
+
         return bake.bake(of, made, items, self.size)
 
 
@@ -140,6 +144,8 @@ class _ToUSD:
 
     @staticmethod
     def on_material_export(context: Any, made: bpy.types.Material, usd_material: Any) -> bool:
+        from ..blender import usd
+
         return usd.write(context, made, usd_material)
 
 

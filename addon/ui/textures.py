@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from ..blender import image_set, textures
+from ..blender import textures
 from ..blender.rebuild import as_preset
 from ..library.errors import InputError
 from .operators import ours
@@ -43,6 +43,8 @@ class VGROOVE_OT_add_image_set(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..blender import image_set  # not read as Blender starts
+
         made = ours(context)
         assert made is not None  # noqa: S101 - poll saw to it
         try:
