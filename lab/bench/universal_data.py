@@ -49,7 +49,7 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
         kinds = list(fresnel.KINDS)
         switches["fresnel"] = float(kinds.index(preset.kind)) if preset.kind in kinds else 0.0
         switches["qualitative"] = float(preset.kind == "qualitative")
-        switches["coupled"], switches["thin"] = float(preset.coupled), float(preset.kind == "thin")
+        switches["coupled"], switches["thin"] = float("coupled" in preset.flags), float(preset.kind == "thin")
         switches["smooth"] = float(preset.m == 0.0)
         for name, value in peers.of(preset).UNIVERSAL.items():
             (switches if name in switches else values)[name] = value

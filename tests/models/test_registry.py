@@ -27,8 +27,8 @@ def examples():
             terms = fresnel.KINDS[kind].parameters if model.has_fresnel else ()
             numbers = {one.name: one.default for one in (*model.parameters, *terms)}
             numbers |= {f"{one.name}_1": one.default for one in model.lobes}
-            for flags in [{}, *({flag: True} for flag in model.flags)]:
-                preset = presets.Preset(f"test/{name}", "Test", name, kind, numbers, {"data": "test"}, **flags)
+            for flags in [(), *((flag,) for flag in model.flags)]:
+                preset = presets.Preset(f"test/{name}", "Test", name, kind, numbers, {"data": "test"}, flags=flags)
                 if not model.flaw(preset):
                     yield preset
 
@@ -38,7 +38,7 @@ OPAQUE = [preset for preset in EXAMPLES if not preset.transparent]
 
 
 def title(preset):
-    return f"{preset.model}-{preset.kind}" + "-coupled" * preset.coupled
+    return "-".join((preset.model, preset.kind, *preset.flags))
 
 
 def pairs(count=200):
