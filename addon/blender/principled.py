@@ -15,7 +15,7 @@ import bpy
 from ... import nodegroups
 from ..models import parameter as known
 from ..models.principled import Feed
-from . import colour_space, roles
+from . import colour_space, metalness, roles
 from .material import MaterialError, absorbs, origin_of, parameter_sockets
 
 if TYPE_CHECKING:
@@ -101,6 +101,8 @@ def _beside(material: Material) -> Iterator[tuple[str, Input]]:
         if (socket := inputs.get(name)) is not None:
             value = float(socket.default_value) if socket.type == "VALUE" else None
             yield name, Input(value, _source(socket))
+    if (found := metalness.source(material)) is not None:
+        yield "Metallic", Input(None, found)
 
 
 def _source(socket: NodeSocket | None) -> NodeSocket | None:
