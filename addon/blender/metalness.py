@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..models import principled
-from . import roles, shader_nodes
-from .links import feeder
+from . import beside, roles, shader_nodes
 from .origin import read as record_of
 
 if TYPE_CHECKING:
-    from bpy.types import Material, Node, NodeSocket
+    from bpy.types import Material, Node
 
     from .textures import Textures
 
@@ -25,18 +24,6 @@ VALUES = ("Base Color", "Roughness", "IOR")  # that the other side keeps where n
 def other(made: Material) -> Node | None:
     """The node that is mixed with the preset's; None without a metalness map."""
     return roles.node(made, roles.METALNESS)
-
-
-def mixes(made: Material) -> list[Node]:
-    """The nodes that mix the two, one for each output."""
-    node = other(made)
-    linked = [link.to_node for link in node.outputs[0].links] if node is not None else []
-    return [one for one in linked if one.bl_idname == "ShaderNodeMixShader"]
-
-
-def source(made: Material) -> NodeSocket | None:
-    """The map."""
-    return next((feeder(mix.inputs[0]) for mix in mixes(made)), None)
 
 
 def has_metal(made: Material) -> bool:
@@ -64,7 +51,7 @@ def give(made: Material, found: Textures) -> None:
         socket = node.inputs.get(name)
         if socket is not None and not (socket.type == "VECTOR" and texture.type == "VALUE"):
             tree.links.new(texture, socket)
-    for mix in mixes(made):
+    for mix in beside.joints(made, roles.METALNESS):
         tree.links.new(found.metallic, mix.inputs[0])
 
 
@@ -74,11 +61,6 @@ def _add(made: Material) -> Node:
     node = shader_nodes.add(tree, DIELECTRIC if has_metal(made) else METAL)
     node[roles.KEY] = roles.METALNESS
     node.location = model.location.x, model.location.y - 360
-    for output in (*roles.nodes(made, roles.OUTPUT), *roles.nodes(made, roles.EEVEE)):
-        surface, mix = output.inputs["Surface"], tree.nodes.new("ShaderNodeMixShader")
-        mix.location = output.location.x - 180, output.location.y
-        sides = (node.outputs[0], surface.links[0].from_socket)
-        for side, shader in zip(mix.inputs[1:], sides if has_metal(made) else reversed(sides), strict=True):
-            tree.links.new(shader, side)
-        tree.links.new(mix.outputs[0], surface)
+    for output in list(beside.outputs(made)):
+        beside.join(tree, output, node.outputs[0], roles.METALNESS, first=has_metal(made))
     return node

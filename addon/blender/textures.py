@@ -14,7 +14,7 @@ import bpy
 from ...nodegroups import REVISION_KEY, versions
 from ..models import MODELS, fresnel, label
 from ..reference.fresnel import F82_COSINE, schlick
-from . import fcurves, metalness, origin, roles, ungroup
+from . import beside, fcurves, metalness, origin, roles, ungroup
 from . import material as building
 from .links import feeder
 from .reading import state_of
@@ -43,8 +43,7 @@ SHADERS: dict[str, dict[str, str]] = {
 ADDED = ("Anisotropic", "Anisotropy", "Coat Weight", "Sheen Weight", "Thin Film Thickness")
 # Of Principled, which no model of ours has.
 ALPHA, EMISSION, STRENGTH, METALLIC = "Alpha", "Emission Color", "Emission Strength", "Metallic"
-GLOW, CLEAR = "glow", "clear"  # roles of the nodes that stand for them beside our model
-OWN = (*roles.GROUPS, roles.OUTPUT, roles.EEVEE, roles.METALNESS, GLOW, CLEAR)
+OWN = (*roles.GROUPS, roles.OUTPUT, roles.EEVEE, roles.METALNESS, roles.GLOW, roles.CLEAR)
 OURS = {label(model, one.name) for model, spec in MODELS.items() for one in spec.parameters} | {"Normal"}
 OURS |= {one.label for kind in fresnel.KINDS.values() for one in kind.parameters}
 
@@ -306,14 +305,14 @@ def give(made: Material, found: Textures) -> list[str]:
         metalness.give(made, found)
     if found.emission:
         for name, value in zip(("Color", "Strength"), found.emission, strict=True):
-            _feed(tree, value, [one.inputs[name] for one in _beside(made, GLOW)])
+            _feed(tree, value, [one.inputs[name] for one in beside.add(made, roles.GLOW)])
     if found.alpha != 1.0:
-        mixes = [link.to_node for one in _beside(made, CLEAR) for link in one.outputs[0].links]
-        _feed(tree, found.alpha, [one.inputs[0] for one in mixes])
-        if found.inverse:
-            for mix in mixes:
-                _exchange(tree, mix)
-    for output in _outputs(made) if found.displacement else ():
+        beside.add(made, roles.CLEAR)
+        for mix in beside.joints(made, roles.CLEAR):
+            _feed(tree, found.alpha, [mix.inputs[0]])
+            if beside.is_inverse(mix) != found.inverse:
+                beside.exchange(tree, mix)
+    for output in beside.outputs(made) if found.displacement else ():
         tree.links.new(found.displacement, output.inputs["Displacement"])
     return lost
 
@@ -324,32 +323,3 @@ def _feed(tree: ShaderNodeTree, value: NodeSocket | tuple[float, ...] | float, s
             tree.links.new(value, socket)
         else:
             socket.default_value = value
-
-
-def _outputs(made: Material) -> Iterator[Node]:
-    for role in (roles.OUTPUT, roles.EEVEE):
-        yield from roles.nodes(made, role)
-
-
-def _beside(made: Material, role: str) -> list[Node]:
-    """The Emission that is added to the surface, or the Transparent that it is mixed with, for each output."""
-    if not roles.nodes(made, role):
-        kinds = {GLOW: ("ShaderNodeEmission", "ShaderNodeAddShader"),
-                 CLEAR: ("ShaderNodeBsdfTransparent", "ShaderNodeMixShader")}  # fmt: skip
-        tree = made.node_tree
-        for output in _outputs(made):
-            more, both = map(tree.nodes.new, kinds[role])
-            more[roles.KEY] = role
-            surface, sides = output.inputs["Surface"], both.inputs[-2:]
-            shader = surface.links[0].from_socket
-            for source, side in zip((more.outputs[0], shader), sides, strict=True):
-                tree.links.new(source, side)
-            tree.links.new(both.outputs[0], surface)
-    return roles.nodes(made, role)
-
-
-def _exchange(tree: ShaderNodeTree, mix: Node) -> None:
-    """The two sides of a mix, each in the other's place."""
-    sources = [side.links[0].from_socket for side in mix.inputs[1:]]
-    for source, side in zip(reversed(sources), mix.inputs[1:], strict=True):
-        tree.links.new(source, side)

@@ -200,7 +200,7 @@ def test_textures_are_kept_and_the_rest_is_listed(blender, name):
     done = convert.convert(made)
     assert shown_by(done.material) == kept
     back = {one.name: images_behind(one) for one in done.node.inputs if one.is_linked}
-    assert back == wanted | ({"Metallic": {"metal"}} if "metal" in kept else {})
+    assert back == {MAPS[label][0]: {label} for label in kept - {"height"}}
     for tree in (source.node_tree, *blender.data.node_groups):
         assert len(tree.nodes) == before.get(tree.name, len(tree.nodes))
 
@@ -226,8 +226,10 @@ def test_what_means_the_same_sends_back_the_same(balls, blender, name):
     preset = presets.find(TABLE[name].into).with_parameters(**TABLE[name].numbers)
     source = made_of(blender, name)
     made, _ = textures.build(preset, CHOICE, source)
-    theirs, ours = (balls(lambda _stage, of=of: [of], samples=64).mean(axis=(0, 1)) for of in (source, made))
+    shown = (source, made, convert.convert(made).material)
+    theirs, ours, back = (balls(lambda _stage, of=of: [of], samples=64).mean(axis=(0, 1)) for of in shown)
     glossy = preset.kind == "dielectric" or "metal" in TABLE[name].maps
     off = native_fresnel_error("dielectric", "nodes") if glossy else 0.0  # of all light, which is white
     np.testing.assert_allclose(ours, theirs, rtol=0.02, atol=off)
+    np.testing.assert_allclose(back, theirs, rtol=0.02)
     assert theirs.min() > 0.1

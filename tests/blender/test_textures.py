@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from vgroove.addon.blender import fcurves, image_set, material, metalness, roles, shader_nodes, textures
+from vgroove.addon.blender import beside, fcurves, image_set, material, metalness, roles, shader_nodes, textures
 from vgroove.addon.blender.course import Play
 from vgroove.addon.blender.material import Choice
 from vgroove.addon.library import presets
@@ -237,7 +237,7 @@ def test_an_image_set_finds_its_inputs(blender, folder):
     found = image_set.load(made.node_tree, maps)
     assert textures.give(made, found) == []
     assert found.lost == []
-    assert metalness.source(made).node.image.name.startswith("wall_metal")
+    assert beside.metalness(made).links[0].from_node.image.name.startswith("wall_metal")
     assert metalness.says(made) == "metal where the metalness map is white, Clay elsewhere"
     inputs = roles.node(made, roles.MODEL).inputs
     assert inputs["Base Color"].links[0].from_node.image.colorspace_settings.name == "sRGB"
