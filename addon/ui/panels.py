@@ -206,7 +206,7 @@ def _replaces_textures(context: bpy.types.Context) -> bool:
     if context.mode != "OBJECT":
         return False
     items = context.selected_objects[:MOST_READ]
-    return any(textures.read(one) for one in {item.active_material for item in items})
+    return any(textures.may_have(one) for one in {item.active_material for item in items})
 
 
 def _shows_estimators(settings: bpy.types.PropertyGroup) -> bool:
