@@ -192,9 +192,10 @@ def test_sockets_have_the_specs_ranges_and_tips(instrument, preset):
             assert item.description
             assert item.socket_type == f"NodeSocket{one.socket}"
             if one.socket == "Float":
-                high = {one.high, one.native_high}
-                assert one.scale.of_input(item.min_value) == pytest.approx(one.low)
-                assert any(one.scale.of_input(item.max_value) == pytest.approx(of) for of in high if of is not None)
+                low, high = sorted(map(one.scale.of_input, (item.min_value, item.max_value)))
+                assert item.min_value < item.max_value
+                assert low == pytest.approx(one.low, abs=1e-6)
+                assert any(high == pytest.approx(of, rel=2e-6) for of in (one.high, one.native_high) if of is not None)
 
 
 @pytest.mark.blender
