@@ -7,7 +7,7 @@ RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
 PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
-.PHONY: demo test test-once test-4.5 test-5.3 test-all lint check report across documents previews assets package clean
+.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window lint check report across documents previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
@@ -30,6 +30,9 @@ test-all: | $(UV)  ## every row of every grid, on all three
 	$(RUN) $(PYTEST) --cover 0
 	$(RUN_45) $(PYTEST) --cover 0
 	$(RUN_53) $(PYTEST) --cover 0
+
+test-window: | $(UV)  ## clicks in a real Blender's window: Debian's, in .cache/window; as root, on Debian
+	$(RUN) pytest tests/window
 
 lint: | $(UV)  ## format, lint, types
 	$(RUN) ruff format --check .

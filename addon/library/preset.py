@@ -90,6 +90,11 @@ class Preset:
         return self.kind in self.spec.sheets
 
     @property
+    def refracts(self) -> bool:
+        """Whether it bends the light that goes through it: a sheet lets it straight through."""
+        return self.transparent and not self.is_sheet
+
+    @property
     def lobes(self) -> int:
         """How many lobes it has beside its own numbers; 0 for most models."""
         return sum(base_name(key) != key for key in self.parameters) // max(len(self.spec.lobes), 1)
