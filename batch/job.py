@@ -11,7 +11,7 @@ import itertools
 import json
 import math
 import os
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -80,7 +80,8 @@ class Task:
     def content(self) -> dict[str, Any]:
         """What decides the pixels, as JSON has it; names, sources and places of files do not."""
         materials = [
-            [name, of.model, of.kind, of.flags, sorted(of.parameters.items())] for name, of in sorted(self.assignments)
+            [name, of.model, of.kind, of.flags, sorted(of.parameters.items()), *map(asdict, of.distribution)]
+            for name, of in sorted(self.assignments)
         ]
         return {
             "scene": self.digest or PREVIEW, "materials": materials, "backend": self.backend,

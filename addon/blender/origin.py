@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from ..library import distribution
 from ..library.presets import Preset, all_presets
 from ..library.timeline import Timeline
 from ..models import MODELS
@@ -52,7 +53,7 @@ class Record:
     def builds(self) -> str:
         """The same text for records that build the same material."""
         of = self.preset
-        preset = [of.id, of.name, of.model, of.kind, of.flags, of.parameters]
+        preset = [of.id, of.name, of.model, of.kind, of.flags, of.parameters, *map(asdict, of.distribution)]
         course = [asdict(self.play), of.time and asdict(of.time)] if self.play else None
         bound = self.bound if self.estimator == "hybrid" else None
         return json.dumps([preset, self.backend, self.estimator, bound, self.shadows, self.lights, course])
@@ -78,6 +79,7 @@ def _read(text: str, state: str, course: str, label: str) -> Record | None:
         preset = dict(kept["preset"])
         preset |= {"parameters": _values(preset["parameters"]), "verified": _values(preset["verified"])}
         preset |= {key: tuple(preset[key]) for key in ("tags", "flags")}
+        preset |= {"distribution": distribution.of_record(preset.get("distribution", ()))}  # older ones had none
         preset |= {"m_range": preset["m_range"] and tuple(preset["m_range"])}
         preset["time"] = preset["time"] and Timeline(**preset["time"])
         play = kept["play"] and Play(**kept["play"])

@@ -16,7 +16,8 @@
     f0 = [0.95, 0.64, 0.54]         # reflectance head-on by the reference
 
 Other models have the numbers of their spec (``addon/models``) at the top, and kind and flags where they have some; a
-lobe of several is a table [[lobes]]. Numbers that change over time have their laws in a table [time]: see ``timeline``.
+lobe of several is a table [[lobes]]; how facets are turned, a table [[distribution]] (``distribution``). Numbers that
+change over time have their laws in a table [time]: see ``timeline``.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..models import DEFAULT, MODELS, PARAMETERS, fresnel
-from . import timeline
+from . import distribution, timeline
 from .checks import PresetError, as_in_range, as_number, as_typed, check_key
 from .errors import InputError
 from .inputs import shown, toml
@@ -43,6 +44,7 @@ EXAMPLES = {
     "model": 'model = "cook_torrance"',
     "fresnel": "a table [fresnel] with f0, f0 and f82_tint, eta, or n and k",
     "lobes": "a table [[lobes]] for each lobe",
+    "distribution": "a table [[distribution]] with beckmann, ggx, exponential, abc or points",
     "source": 'a table [source] with data = "author, year, page"',
 }
 
@@ -76,6 +78,7 @@ def parse(text: str, identity: str, where: str) -> Preset:
         m_range=_m_range(where, data["m_range"], parameters) if "m_range" in data else None,
         verified=_verified(where, data.get("verified", {})),
         time=timeline.parse(where, data["time"], parameters) if "time" in data else None,
+        distribution=distribution.parse(where, data["distribution"]) if model.distribution else (),
         flags=tuple(flag for flag in model.flags if as_typed(where, flag, data.get(flag, False), bool)),
     )
     check_form(where, preset)
@@ -84,7 +87,7 @@ def parse(text: str, identity: str, where: str) -> Preset:
 
 def _check_keys(where: str, data: dict[str, Any], model: Model) -> None:
     """PresetError for a key that the model does not know, of another type, or missing."""
-    lobes = ["lobes"] * bool(model.lobes)
+    lobes = ["lobes"] * bool(model.lobes) + ["distribution"] * bool(model.distribution)
     for key, value in data.items():
         check_key(where, key, [*TOP_KEYS, *(one.name for one in model.parameters), *model.flags, *lobes])
         if key in TOP_KEYS:

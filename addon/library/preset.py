@@ -13,6 +13,7 @@ from .checks import PresetError, as_number, check_key
 if TYPE_CHECKING:
     from ..models import Model, Number
     from ..reference import Fresnel
+    from ..reference.facet_distribution import Term
     from ..reference.trajectory import Trajectory
 
 
@@ -21,7 +22,8 @@ class Preset:
     """One material. ``parameters`` holds the model's numbers by their reference names.
 
     ``kind`` is the form of the model, one of its spec's ``kinds``: where it has a Fresnel term, that of the term.
-    ``flags``: those of the model's flags that are true. ``m_range``: slopes that suit the material. ``verified``: its
+    ``flags``: those of the model's flags that are true. ``distribution``: of
+    its facets, where its model asks for one. ``m_range``: slopes that suit the material. ``verified``: its
     reflectance head-on, "f0", by the reference. ``time``: how its numbers change, where they do; ``parameters`` are
     those at the start.
     """
@@ -35,6 +37,7 @@ class Preset:
     tags: tuple[str, ...] = ()
     notes: str = ""
     flags: tuple[str, ...] = ()
+    distribution: tuple[Term, ...] = ()
     m_range: tuple[float, float] | None = None
     verified: dict[str, Number] = field(default_factory=dict)
     time: timeline.Timeline | None = None

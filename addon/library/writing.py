@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..models import fresnel
-from . import presets
+from . import distribution, presets
 from .checks import PresetError
 from .files import check_writable, write_text
 from .presets import USER_FAMILY, Preset
@@ -54,6 +54,8 @@ def dumps(preset: Preset) -> str:
     if spec.lobes:
         keys, count = [one.name for one in spec.lobes], preset.lobes
         tables["lobes"] = [{key: numbers.pop(f"{key}_{k}") for key in keys} for k in range(1, count + 1)]
+    if preset.distribution:
+        tables["distribution"] = distribution.tables(preset.distribution)
     values |= {flag: flag in preset.flags for flag in spec.flags}
     optional = {"tags": preset.tags, "notes": preset.notes, "m_range": preset.m_range}
     values |= {key: of for key, of in optional.items() if of} | numbers

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from ..reference.facet_distribution import Term
+
 Number = float | tuple[float, float, float]
 
 
@@ -67,7 +69,10 @@ class Parameter:
 
 
 class Form(Protocol):
-    """The form of a preset, which models decide by: kind, flags that are true, numbers by name (of lobe k as m_k)."""
+    """The form of a preset, which models decide by: kind, flags that are true, numbers by name (of lobe k as m_k).
+
+    distribution: of its facets, where its model asks for one.
+    """
 
     @property
     def model(self) -> str: ...
@@ -77,6 +82,8 @@ class Form(Protocol):
     def flags(self) -> tuple[str, ...]: ...
     @property
     def parameters(self) -> Mapping[str, Any]: ...
+    @property
+    def distribution(self) -> tuple[Term, ...]: ...
 
 
 @dataclass(frozen=True)
@@ -89,6 +96,7 @@ class Model:
     kinds: the forms it has, with their labels; the first is the default. Of ``has_fresnel``: the Fresnel kinds.
     sheets: kinds that are a thin sheet, without an inside.
     flags: what is true or false of a preset; false where the file does not say.
+    distribution: of a model whose presets have tables [[distribution]], one for example; () of others.
     parts: name and model of what it is made of. labels: of inputs that are called otherwise here.
     lobes: parameters of one lobe, ``lobe_model`` of it, at most so many.
     estimators: those it has, of ``estimators.ESTIMATORS``.
@@ -113,6 +121,7 @@ class Model:
     kinds: Mapping[str, str] = field(default_factory=dict)
     has_fresnel: bool = False
     flags: tuple[str, ...] = ()
+    distribution: tuple[Term, ...] = ()
     parts: tuple[tuple[str, str], ...] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
     lobes: tuple[Parameter, ...] = ()

@@ -28,7 +28,16 @@ def examples():
             numbers = {one.name: one.default for one in (*model.parameters, *terms)}
             numbers |= {f"{one.name}_1": one.default for one in model.lobes}
             for flags in [(), *((flag,) for flag in model.flags)]:
-                preset = presets.Preset(f"test/{name}", "Test", name, kind, numbers, {"data": "test"}, flags=flags)
+                preset = presets.Preset(
+                    f"test/{name}",
+                    "Test",
+                    name,
+                    kind,
+                    numbers,
+                    {"data": "test"},
+                    flags=flags,
+                    distribution=model.distribution,
+                )
                 if not model.flaw(preset):
                     yield preset
 
