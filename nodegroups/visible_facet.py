@@ -16,11 +16,14 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 
-def visible_facet(tree: Tree, N: Value, wo: Value, m: Value) -> Value:
-    """h by D(h) (n.h), swapped for its dual across the groove where the view rather sees that."""
+def visible_facet(tree: Tree, N: Value, wo: Value, m: Value, axes: tuple[Value, Value] | None = None) -> Value:
+    """h by D(h) (n.h), swapped for its dual across the groove where the view rather sees that.
+
+    axes: along the surface, each as long as its slope is in units of m; any two unit vectors if left out.
+    """
     u1, u2, u3 = random_numbers(tree, stream("FACET"))
     with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
-        T, B = tangents(N)
+        T, B = axes or tangents(N)
         tan = m * sqrt(-log(maximum(1.0 - u1, 1e-7)))  # u1 may round to 1
         phi = 2.0 * pi * u2
         lean = scale(T, tan * cos(phi)) + scale(B, tan * sin(phi))
