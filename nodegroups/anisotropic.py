@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ..addon.models.anisotropic import ANISOTROPY, MODEL, RADIAL, ROTATION
 from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import anisotropic_d, cook_torrance, ensure, tangent
-from ._tree import Value, cross, scale, sqrt
-from .parameters import add_input
+from ._tree import Value, cross, dot, scale, sqrt
+from .parameters import add_input, existing_input
 from .shading_normal import specular_normal
 from .visible_facet import visible_facet
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ..addon.models import Form
     from ._tree import Tree
 
@@ -72,6 +74,18 @@ def interface(tree: Tree, kind: str, *, radial: bool, native: bool = False) -> I
     of = cook_torrance.interface(tree, kind, native=native)
     more = add_input(tree, ANISOTROPY), add_input(tree, ROTATION), tangent.interface(tree, radial=radial)
     return Inputs(of.fresnel, of.m, of.normal, *more, radial)
+
+
+def seen(tree: Tree, kind: str, names: Mapping[str, str], *, radial: bool) -> tuple[cook_torrance.Inputs, Value]:
+    """As of ``cook_torrance``: the isotropic surface that sends back nearly as much to the viewer."""
+    of = cook_torrance.inherited_inputs(tree, kind, names)
+    more = existing_input(tree, ANISOTROPY, names), existing_input(tree, ROTATION, names), tree.input_named("Tangent")
+    inputs = Inputs(of.fresnel, of.m, of.normal, *more, radial)
+    N, wo = specular_normal(tree, inputs.normal), tree.geometry("Incoming")
+    with tree.frame("The round slope that looks like this one"):
+        x, y, z = dot(inputs.T, wo) / inputs.aspect, dot(cross(N, inputs.T), wo) * inputs.aspect, dot(N, wo)
+        m = inputs.m * sqrt(x * x + y * y + z * z)
+    return cook_torrance.Inputs(of.fresnel, m, of.normal), N
 
 
 def variant(form: Form) -> tuple[str, dict[str, Any]]:

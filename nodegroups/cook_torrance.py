@@ -60,6 +60,12 @@ def inherited_inputs(tree: Tree, kind: str, names: Mapping[str, str]) -> Inputs:
     return Inputs(terms, existing_input(tree, SLOPE, names), tree.input_named("Normal"))
 
 
+def seen(tree: Tree, kind: str, names: Mapping[str, str]) -> tuple[Inputs, Value]:
+    """Of a coat whose group's inputs were repeated so: what its directional albedo depends on, and its normal."""
+    inputs = inherited_inputs(tree, kind, names)
+    return inputs, shading_normal.specular_normal(tree, inputs.normal)
+
+
 def script(tree: Tree, estimator: str, kind: str, inputs: Inputs, **more: Number) -> Node:
     """The OSL shader ``MODEL_ESTIMATOR`` fed by these inputs."""
     given = inputs.for_script(tree) | more

@@ -4,11 +4,13 @@
 Slopes along the tangent and across it are m / s and m s, s^2 = 1 - 0.9 Anisotropy, as Blender's Metallic BSDF has them.
 """
 
+from __future__ import annotations
+
 from math import pi
 
 from ..reference import Anisotropic, Smooth
 from ..reference.cook_torrance_fit import NARROWEST
-from . import cook_torrance, fresnel
+from . import cook_torrance, fresnel, principled
 from .cook_torrance import SLOPE
 from .spec import Form, Model, Parameter
 
@@ -31,6 +33,13 @@ def _reference(form: Form, _parts: object) -> Anisotropic | Smooth:
     return Anisotropic(of["m"] / aspect, of["m"] * aspect, F, 2.0 * pi * of["rotation"])
 
 
+# Principled has the same two numbers, and a Tangent.
+PRINCIPLED: principled.Inputs = {
+    "Anisotropic": principled.Feed("anisotropy"),
+    "Anisotropic Rotation": principled.Feed("rotation"),
+}
+
+
 MODEL = Model(
     name="anisotropic",
     label="Anisotropic",
@@ -41,5 +50,5 @@ MODEL = Model(
     flags=(RADIAL,),
     estimators=("fit", "closure", "corrected", "mirror", "direct"),
     reference=_reference,
-    principled=cook_torrance.MODEL.principled,
+    principled=lambda form: {**cook_torrance.as_principled(form), **PRINCIPLED},
 )

@@ -12,7 +12,7 @@ import numpy as np
 from ...addon.blender import gonio
 from ...addon.library.presets import Preset, parse
 from ...addon.models.estimators import NATIVE
-from ...addon.reference import Anisotropic, rendered
+from ...addon.reference import Anisotropic, Schlick, rendered
 from ...addon.reference.quadrature import vgroove_albedo
 from .cook_torrance import fresnel_approximation
 from .rows import SETUPS, Plan, Row, Setup, View, side_by_side
@@ -58,6 +58,12 @@ def material(fresnel: str, m: float, anisotropy: float, rotation: float) -> Pres
     return parse(TEXT.format(m, anisotropy, rotation, TERMS[fresnel]), "check/anisotropic", "check")
 
 
+def white(m: float, anisotropy: float, rotation: float) -> Anisotropic:
+    """Such a surface with F = 1, of which an approximate F of Cycles' closures is a share."""
+    model: Anisotropic = material("schlick", m, anisotropy, rotation).reference()
+    return replace(model, fresnel=Schlick(1.0))
+
+
 def model_of(preset: Preset, geometry: gonio.Geometry) -> Anisotropic:
     """The reference in the gonioreflectometer's frame, whose patch has its tangent at an azimuth of its own."""
     model: Anisotropic = preset.reference()
@@ -73,8 +79,8 @@ def exact_row(estimator: str, setup: Setup, fresnel: str, anisotropy: float, tur
     bar = direct_bar(m) if estimator == "direct" else closure_bar(narrowest)
     if estimator == "direct" and setup.shading_osl:
         bar = max(bar, 1e-4)  # OSL's exp() and sqrt() round to 1e-6 and less
-    if estimator != "direct":
-        bar = max(bar, fresnel_approximation(setup, fresnel))
+    approximate = fresnel_approximation(setup, fresnel) if estimator != "direct" else 0.0
+    bar = approximate or bar
     row = Row(estimator, setup, MODEL, fresnel, {"m": m, "anisotropy": anisotropy, "turn": turn})
     for theta_i in THETAS if setup is not SETUPS[1] else OSL_THETAS:
         for window in (0.0, WINDOW):
@@ -82,11 +88,12 @@ def exact_row(estimator: str, setup: Setup, fresnel: str, anisotropy: float, tur
             wi, wo = geometry.wi(), geometry.wo()
             model = model_of(preset, geometry)
             expected = rendered(model, estimator if native else "direct")(wi, wo)
-            peak = float(np.max(rendered(model, "direct")(wi, wi * [-1.0, -1.0, 1.0])))
-            scale = max(float(np.max(expected)), 2.0**-64 * peak)
+            lobe = replace(model, fresnel=Schlick(1.0)) if approximate else model
+            shown = rendered(lobe, estimator if native else "direct")
+            scale = max(float(np.max(shown(wi, wo))), 2.0**-64 * float(np.max(shown(wi, wi * [-1.0, -1.0, 1.0]))))
             image = measure(preset, setup, estimator, geometry)
             if estimator == "corrected":  # a difference of two equal numbers, which may round to below 0
-                scale = max(scale, float(np.max(rendered(model, "fit")(wi, wo))))
+                scale = max(scale, float(np.max(rendered(lobe, "fit")(wi, wo))))
                 image = np.where(image >= -bar * scale, np.maximum(image, 0.0), image)
             row.views.append(View(geometry, image, expected, bar, scale))
     return row
