@@ -50,5 +50,6 @@ MODEL = Model(
     flags=(RADIAL,),
     estimators=("fit", "closure", "corrected", "mirror", "direct"),
     reference=_reference,
+    most_lights_4_5={"corrected": 3, "direct": 5},
     principled=lambda form: {**cook_torrance.as_principled(form), **PRINCIPLED},
 )

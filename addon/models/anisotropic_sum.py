@@ -18,6 +18,7 @@ MODEL = replace(
     flags=(*plain.MODEL.flags, *anisotropic.MODEL.flags),
     parts=(("diffuse", DIFFUSE.name), ("specular", anisotropic.MODEL.name)),
     estimators=anisotropic.MODEL.estimators,
+    most_lights_4_5=anisotropic.MODEL.most_lights_4_5,
     account=lambda form: plain.account(form, anisotropic.MODEL.name),
     principled=lambda form: {**plain.as_principled(form), **anisotropic.PRINCIPLED},
 )
