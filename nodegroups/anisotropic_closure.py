@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import anisotropic, cook_torrance
+from . import anisotropic, cook_torrance, tangent
 from . import cook_torrance_closure as closure
 from ._tree import sqrt
 
@@ -18,8 +18,9 @@ REVISION = 1
 
 def build(tree: Tree, kind: str, *, radial: bool) -> None:
     inputs = anisotropic.interface(tree, kind, radial=radial, native=True)  # Cycles clamps alpha to 1
-    leaning = inputs.anisotropy, inputs.T
+    leaning = inputs.anisotropy, tangent.chosen(tree, inputs.tangent, radial=radial)
     native = closure.lobe(tree, kind, inputs.fresnel, sqrt(inputs.m), inputs.normal, *leaning)
+    tree.wire(native.node, "Rotation", inputs.rotation)
     tree.output_shader("BSDF", native, tip="To the material's Surface")
 
 

@@ -15,7 +15,7 @@ from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import anisotropic, cook_torrance, ensure
 from . import cook_torrance_closure as closure
 from . import cook_torrance_fit as fit
-from ._tree import Tree, Value, cos, cross, dot, maximum, minimum, scale, sin, sqrt
+from ._tree import Tree, Value, cross, dot, maximum, minimum, scale, sqrt
 from .shading_normal import raised, specular_normal
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 NAME = "VGroove Anisotropic Fit"
 REVISION = 1
 LOOK_UP_NAME = ".VGroove Anisotropic Fit Lobes"
+LEAST = 1e-5  # along B, for axes that are B itself, of which rounding leaves nothing
 
 
 def build(tree: Tree, kind: str, *, radial: bool) -> None:
@@ -92,45 +93,45 @@ def build_look_up(tree: Tree) -> None:
     wo, m, B = tree.geometry("Incoming"), minimum(slope, 1.0), cross(N, T)
     with tree.frame("Slopes over m: 1/s along T, s along B"):
         narrow = 1.0 - (1.0 - NARROWEST) * anisotropy  # s^2, one slope over the other
-        s = sqrt(narrow)
+        wide = 1.0 / narrow
     with tree.frame("The round slope that looks like this one"):
-        x, y, z = dot(T, wo), dot(B, wo), dot(N, wo)
-        across2 = x * x / narrow + y * y * narrow
-        round_slope = minimum(m * sqrt(across2 + z * z), 1.0)
+        x, y, z = dot(T, wo) * wide, dot(B, wo) * narrow, dot(N, wo)
+        G, z2 = scale(T, x) + scale(B, y), z * z
+        across2 = maximum(dot(G, wo), 1e-14)
+        round_slope = minimum(m * sqrt(across2 + z2), 1.0)
     look_up = tree.group(ensure(fit.LOOK_UP_NAME, fit.REVISION, fit.build_look_up), m=round_slope, N=N)
     weight, first, *others = (Value(tree, socket) for socket in look_up.outputs)
     with tree.frame("No more light than arrives"):
-        excess = EXCESS * maximum(minimum(m / s, 1.0) - ROUGH, 0.0) * (1.0 - narrow)
-        tree.output_color("Weight", scale(weight, 1.0 - excess * (1.0 - z * z)), tip="Of each lobe")
+        excess = EXCESS * maximum(minimum(m * sqrt(wide), 1.0) - ROUGH, 0.0) * (1.0 - narrow)
+        kept = tree.math("MULTIPLY_ADD", z2, excess, 1.0 - excess)
+        tree.output_color("Weight", scale(weight, kept), tip="Of each lobe")
     with tree.frame("Upright lobe"):
-        k = minimum(first * first, 1.0) / round_slope
-        _lobe(tree, 1, sqrt(m * k), N, anisotropy, T)
-    with tree.frame("g over m, and the view's side"):
-        over = 1.0 / maximum(sqrt(across2), 1e-7)
-        gx, gy = x / narrow * over, y * narrow * over
-        g, side = scale(T, gx) + scale(B, gy), sqrt(x * x + y * y)
+        _lobe(tree, 1, sqrt(m * minimum(first * first, 1.0) / round_slope), N, anisotropy, T)
+    with tree.frame("g over m, and what a lobe leans by"):
+        over = tree.math("INVERSE_SQRT", across2)
+        gx, gy, inverse = x * over, y * over, 1.0 / round_slope
+        gxx, gyy, gxy = gx * gx, gy * gy, 2.0 * gx * gy
+        side = m * over * inverse * sqrt(1.0 - z2)
+        lean, inverse2 = scale(N, z) + scale(G, side), inverse * inverse
     for index, of in enumerate(others, 2):
-        with tree.frame("Lobe, stretched"):
+        with tree.frame("Lobe, stretched: squares of its slopes over m"):
             roughness, aniso, tilt = of.rgb
-            square, aspect = roughness * roughness, sqrt(1.0 - (1.0 - NARROWEST) * aniso)
-            within, across = (minimum(slopes, 1.0) / round_slope for slopes in (square * aspect, square / aspect))
-            more = within * within - across * across
-            xx = across * across / narrow + more * gx * gx
-            yy = across * across * narrow + more * gy * gy
-            xy, half = more * gx * gy, 0.5 * (xx - yy)
-            wide2 = 0.5 * (xx + yy) + sqrt(half * half + xy * xy)
-            both = within * across  # the product of its two slopes
+            fourth, aspect = roughness**4, tree.math("MULTIPLY_ADD", aniso, NARROWEST - 1.0, 1.0)
+            within, across = (minimum(square, 1.0) * inverse2 for square in (fourth * aspect, fourth / aspect))
+            more = within - across
+            xx, yy = (tree.math("MULTIPLY_ADD", more, *pair) for pair in ((gxx, across * wide), (gyy, across * narrow)))
+            twice, half = more * gxy, xx - yy
+            root = sqrt(tree.math("MULTIPLY_ADD", half, half, twice * twice))
+            both = sqrt(within * across)  # the product of its two slopes
         with tree.frame("As Metallic BSDF takes it"):
-            turn = 0.5 * tree.math("ARCTAN2", xy, half)
-            axis = scale(T, cos(turn)) + scale(B, sin(turn))
-            lean = tilt * side * m / round_slope
-            normal = scale(N, 1.0 - tilt * z) - scale(g, lean)
-            narrower = minimum((1.0 - both / wide2) / (1.0 - NARROWEST), 1.0)
-            _lobe(tree, index, sqrt(m * sqrt(both)), normal, maximum(narrower, 0.0), axis)
+            axis = scale(T, half + root) + scale(B, twice + LEAST)
+            ratio = both / (xx + yy + root)
+            narrower = tree.math("MULTIPLY_ADD", ratio, -2.0 / (1.0 - NARROWEST), 1.0 / (1.0 - NARROWEST))
+            _lobe(tree, index, sqrt(m * sqrt(both)), N - scale(lean, tilt), minimum(narrower, 1.0), axis)
 
 
 def _lobe(tree: Tree, index: int, roughness: Value, normal: Value, anisotropy: Value, tangent: Value) -> None:
     tree.output_float(f"Roughness {index}", roughness, tip="As of Metallic BSDF")
     tree.output_vector(f"Normal {index}", normal, tip="Not of length 1")
     tree.output_float(f"Anisotropy {index}", anisotropy, tip="As of Metallic BSDF")
-    tree.output_vector(f"Tangent {index}", tangent, tip="Of the wider slope")
+    tree.output_vector(f"Tangent {index}", tangent, tip="Of the wider slope, not of length 1")
