@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import beckmann_d, cook_torrance, ensure, fresnel, vgroove_g
+from . import cook_torrance, ensure, fresnel, vgroove_g
 from ._tree import Number, Tree, Value, dot, greater, length, maximum, normalize, output
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import lit, specular_normal
@@ -78,15 +78,9 @@ def _radiance(
         G = tree.group(
             ensure(vgroove_g.NAME, vgroove_g.REVISION, vgroove_g.build), **{"n.h": nh, "n.v": no, "n.l": ni, "v.h": vh}
         )
-        f_cos = density(tree, h, N, inputs.m) * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7))
+        f_cos = inputs.density(tree, h, N) * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7))
     if carried is not None:
         f_cos = f_cos - carried(wi, h)
     with tree.frame("Times F"):
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
         return irradiance * F * (f_cos * seen)
-
-
-def density(tree: Tree, h: Value, N: Value, m: Value) -> Value:
-    """Beckmann's D through the nested group."""
-    node = tree.group(ensure(beckmann_d.NAME, beckmann_d.REVISION, beckmann_d.build), h=h, N=N, Slope_m=m)
-    return Value(tree, node.outputs["D"])

@@ -51,7 +51,7 @@ def test_a_search_without_hits_applies_nothing(extension):
     assert "Nothing found" in " ".join(told.texts)
     assert not extension.ops.vgroove.apply.poll()
     settings.search = "copper"
-    assert "12 found" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
+    assert "17 found" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
     assert extension.ops.vgroove.apply.poll()
 
 
