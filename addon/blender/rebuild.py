@@ -35,7 +35,7 @@ UNCHANGED: Any = object()  # the animation stays as it is
 
 def rebuild(
     made: Material, scene: Scene, *, backend: str | None = None, estimator: str | None = None,
-    bound: float | None = None, play: Play | None = UNCHANGED,
+    bound: float | None = None, disperses: bool | None = None, play: Play | None = UNCHANGED,
 ) -> list[str]:  # fmt: skip
     """Change ``made`` in place by the arguments, and to the lights of ``scene``; what the arguments leave out stays.
 
@@ -45,7 +45,8 @@ def rebuild(
     estimator = estimator or record.estimator
     limit = material.origin_of(made).bound if bound is None else bound
     lamps = lamps_to_bind(scene, estimator, record.preset.model)
-    choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, record.play)
+    spread = record.disperses if disperses is None else disperses
+    choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, spread, record.play)
     lost = _exchange(made, record.preset, choice)
     changed = material.record_of(record.preset, choice)
     origin.write(made, replace(changed, state=_as_new(record.preset, choice)))
@@ -70,7 +71,7 @@ def as_preset(made: Material, scene: Scene, change: Callable[[Preset], Preset]) 
     if preset == before.preset:
         return []
     lamps = lamps_to_bind(scene, record.estimator, preset.model)
-    choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound)
+    choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound, record.disperses)
     lost = _exchange(made, preset, choice)
     origin.write(made, replace(material.record_of(preset, choice), state=_as_new(preset, choice)))
     numbers = material.numbers_of(preset)
@@ -165,8 +166,7 @@ def _exchange(made: Material, preset: Preset, choice: Choice) -> list[str]:
         lost = _restore(made, preset, choice, group)
     else:
         lost = _swap(made, node, group, preset)
-        if "Bound" in (inputs := nodegroups.inputs(node)):
-            inputs["Bound"].default_value = choice.bound
+        material.write_choice(node, preset, choice)
         material.bind_lights(made, node, choice)
         lost += _show(made, node)
     for inside in roles.nodes(made, roles.ABSORPTION):

@@ -21,7 +21,8 @@ class Preset:
     """One material. ``parameters`` holds the model's numbers by their reference names.
 
     ``kind`` is the form of the model, one of its spec's ``kinds``: where it has a Fresnel term, that of the term.
-    ``m_range``: slopes that suit the material. ``verified``: its reflectance head-on, "f0", by the reference.
+    ``m_range``: slopes that suit the material. ``abbe``: (n_d - 1) / (n_F - n_C) of a clear one, where it is known.
+    ``verified``: its reflectance head-on, "f0", by the reference.
     ``time``: how its numbers change, where they do; ``parameters`` are those at the start.
     """
 
@@ -37,6 +38,7 @@ class Preset:
     m_range: tuple[float, float] | None = None
     verified: dict[str, Number] = field(default_factory=dict)
     time: timeline.Timeline | None = None
+    abbe: float | None = None
 
     @property
     def family(self) -> str:
@@ -87,6 +89,11 @@ class Preset:
     def is_sheet(self) -> bool:
         """Whether it is a thin sheet, without an inside."""
         return self.kind in self.spec.sheets
+
+    @property
+    def can_disperse(self) -> bool:
+        """Whether it bends light by a known Abbe number: a sheet lets all colours go straight on."""
+        return self.abbe is not None and self.transparent and not self.is_sheet
 
     @property
     def lobes(self) -> int:

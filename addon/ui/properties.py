@@ -184,6 +184,11 @@ class VGrooveSettings(bpy.types.PropertyGroup):
         description="The new material takes the image textures, bump and displacement of the one that it replaces",
         default=True,
     )
+    disperses: bpy.props.BoolProperty(
+        name="Dispersion",
+        description="Colors spread by the material's Abbe number, as in a prism. Blender 5.3 and newer; more noise",
+        default=False,
+    )
     quality: bpy.props.EnumProperty(
         name="Quality",
         description="How closely the render follows the formula",

@@ -74,6 +74,18 @@ def test_a_bad_file_is_one_line_with_file_and_key(old, new, message):
     assert "\n" not in str(caught.value)
 
 
+def test_an_abbe_number_goes_with_what_is_clear():
+    """It is kept, and a sheet or what has none does not disperse."""
+    water = (presets.FOLDER / "liquids/water.toml").read_text(encoding="utf-8")
+    assert parse(water, "t/x", "x.toml").abbe == find("liquids/water").abbe == pytest.approx(55.76)
+    with pytest.raises(PresetError, match=r"x.toml: abbe must be between 1 and 1000, got 0\.5"):
+        parse(water.replace("abbe = 55.76", "abbe = 0.5"), "t/x", "x.toml")
+    with pytest.raises(PresetError, match=r"x.toml: abbe goes with a clear material; leave it out"):
+        parse(f"abbe = 50\n{GOOD}", "t/x", "x.toml")
+    able = {one: find(one).can_disperse for one in ("liquids/water", "glasses/window", "gems/ruby", "metals/gold")}
+    assert able == {"liquids/water": True, "glasses/window": False, "gems/ruby": False, "metals/gold": False}
+
+
 def test_two_files_of_one_id_are_refused(tmp_path):
     """Names that differ only in case would be one file on some systems."""
     (tmp_path / "a").mkdir()
