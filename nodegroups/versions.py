@@ -57,6 +57,8 @@ LEAN_STACK = since(5, 0)
 RAYCAST = hasattr(bpy.types, "ShaderNodeRaycast")
 # Cycles' Principled bends each wavelength by an Abbe number (5.3); its Glass and Refraction nodes do not.
 DISPERSES = since(5, 3)
+# EEVEE evaluates a shader once per light (5.3): the Light Accumulation node.
+LIGHT_NODES = hasattr(bpy.types, "ShaderNodeLightAccumulation")
 # The base class of what USD exports call; None where a Blender was built without USD.
 USD_HOOK: Any = getattr(bpy.types, "USDHook", None)
 
@@ -67,6 +69,9 @@ def osl_header() -> str:
 
 
 # Blender
+
+# What scenes call EEVEE.
+EEVEE = "BLENDER_EEVEE" if since(5, 0) else "BLENDER_EEVEE_NEXT"
 
 
 def nodes_of(owner: Material | World | Light) -> NodeTree:

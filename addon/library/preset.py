@@ -21,9 +21,9 @@ class Preset:
     """One material. ``parameters`` holds the model's numbers by their reference names.
 
     ``kind`` is the form of the model, one of its spec's ``kinds``: where it has a Fresnel term, that of the term.
-    ``m_range``: slopes that suit the material. ``abbe``: (n_d - 1) / (n_F - n_C) of a clear one, where it is known.
-    ``verified``: its reflectance head-on, "f0", by the reference.
-    ``time``: how its numbers change, where they do; ``parameters`` are those at the start.
+    ``flags``: those of the model's flags that are true. ``m_range``: slopes that suit the material. ``abbe``: its Abbe
+    number (n_d - 1) / (n_F - n_C), where it is clear and that is known. ``verified``: its reflectance head-on, "f0", by
+    the reference. ``time``: how its numbers change, where they do; ``parameters`` are those at the start.
     """
 
     id: str
@@ -34,7 +34,7 @@ class Preset:
     source: dict[str, str]
     tags: tuple[str, ...] = ()
     notes: str = ""
-    coupled: bool = False
+    flags: tuple[str, ...] = ()
     m_range: tuple[float, float] | None = None
     verified: dict[str, Number] = field(default_factory=dict)
     time: timeline.Timeline | None = None
@@ -91,9 +91,14 @@ class Preset:
         return self.kind in self.spec.sheets
 
     @property
+    def refracts(self) -> bool:
+        """Whether it bends the light that goes through it: a sheet lets it straight through."""
+        return self.transparent and not self.is_sheet
+
+    @property
     def can_disperse(self) -> bool:
-        """Whether it bends light by a known Abbe number: a sheet lets all colours go straight on."""
-        return self.abbe is not None and self.transparent and not self.is_sheet
+        """Whether it refracts by a known Abbe number."""
+        return self.refracts and self.abbe is not None
 
     @property
     def lobes(self) -> int:

@@ -159,6 +159,7 @@ class VGROOVE_PT_source(InSidebar, bpy.types.Panel):
 
     bl_label = "Source"
     bl_parent_id = "VGROOVE_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, preset = self.layout, properties.chosen_preset(context.scene.vgroove)
