@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..addon.models.glass import MODEL, TINT
+from ..addon.models.glass import ABBE, MODEL, TINT
 from . import fresnel, osl_script, shading_normal
 from ._tree import Value, clamp, dot, output, select, vector
-from .parameters import ABBE, add_input
+from .parameters import add_input
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket
@@ -83,14 +83,7 @@ def smooth_interface(tree: Tree, inputs: Inputs, *, thin: bool) -> NodeSocket:
     return split(tree, N, F, 1.0 - F, inputs, thin=thin)
 
 
-def add_abbe(tree: Tree) -> Value:
-    """The artist's input of dispersion."""
-    return tree.input_float(
-        ABBE, 55.0, low=1.0, high=1000.0, tip="(n_d - 1) / (n_F - n_C): the less, the wider colors spread"
-    )
-
-
-def dispersive_interface(tree: Tree, inputs: Inputs, roughness: Value | float, abbe: Value) -> NodeSocket:
+def dispersive_interface(tree: Tree, inputs: Inputs, roughness: Value | float) -> NodeSocket:
     """Cycles' Principled, the one node that disperses: GGX where it is rough, and at m = 0 the same interface.
 
     It takes the root of its colour at each of a body's surfaces.
@@ -98,7 +91,7 @@ def dispersive_interface(tree: Tree, inputs: Inputs, roughness: Value | float, a
     node = tree.node(
         "ShaderNodeBsdfPrincipled", distribution="GGX", Base_Color=inputs.tint * inputs.tint, Roughness=roughness,
         IOR=inputs.eta, Normal=inputs.normal, Transmission_Weight=1.0, Transmission_Dispersion_Scale=1.0,
-        Transmission_Dispersion_Abbe_Number=abbe,
+        Transmission_Dispersion_Abbe_Number=add_input(tree, ABBE),
     )  # fmt: skip
     return output(node, "BSDF")
 

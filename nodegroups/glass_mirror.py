@@ -27,7 +27,7 @@ def build(tree: Tree, *, thin: bool = False, smooth: bool = False, disperses: bo
     ``disperses``: by an Abbe number, where it is smooth.
     """
     if smooth and disperses:
-        shader = glass.dispersive_interface(tree, glass.smooth_inputs(tree), 0.0, glass.add_abbe(tree))
+        shader = glass.dispersive_interface(tree, glass.smooth_inputs(tree), 0.0)
     elif smooth:
         shader = glass.smooth_interface(tree, glass.smooth_inputs(tree), thin=thin)
     else:

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 TO_INPUT = "vgroove_to_input"  # custom property of a group that turns a parameter into what its input takes
 
-ABBE = "Abbe Number"  # the input of a group that disperses, which is no parameter of the reference
-
 
 def add_input(tree: Tree, of: Parameter, *, native: bool = False, prefix: str = "", tip: str = "") -> Value:
     """A parameter, of the artist's input for it, held to its range; ``native``: to what Cycles' closures take."""

@@ -11,7 +11,6 @@ import bpy
 
 from ... import nodegroups
 from ...nodegroups import eevee, lamp, random_numbers, versions
-from ...nodegroups.parameters import ABBE
 from ..models import label
 from ..models.estimators import ALL as ESTIMATORS
 from ..models.estimators import EVERY_LIGHT, NATIVE, RANDOM, UPRIGHT
@@ -52,7 +51,7 @@ __all__ = [  # the front of this room: what others need of a material, they take
     "Choice", "MaterialError", "Origin", "absorbs", "absorption_group", "add_model", "animate", "bind_lights",
     "bindable", "binds", "bound_slots", "build", "curves", "fill", "group_of", "is_edited", "is_ours", "lamps_to_bind",
     "locked", "numbers_of", "origin_of", "parameter_sockets", "play", "plays", "preset_of", "record_of", "set_up",
-    "show_in_eevee", "show_in_solid_view", "state_of", "stop", "to_preset", "upgrade", "values_of", "write_choice",
+    "show_in_eevee", "show_in_solid_view", "state_of", "stop", "to_preset", "upgrade", "values_of",
     "write_numbers",
 ]  # fmt: skip
 
@@ -132,17 +131,10 @@ def add_model(material: Material, preset: Preset, choice: Choice, group: ShaderN
     node = _group_node(material.node_tree, group, preset.name, roles.MODEL)
     write_numbers(node, preset)
     colour_space.mark(material)
-    write_choice(node, preset, choice)
+    if choice.estimator == "hybrid":
+        node.inputs["Bound"].default_value = choice.bound
     bind_lights(material, node, choice)
     return node
-
-
-def write_choice(node: Node, preset: Preset, choice: Choice) -> None:
-    """Give a model's node what its group takes beside the parameters."""
-    if "Bound" in (inputs := nodegroups.inputs(node)):
-        inputs["Bound"].default_value = choice.bound
-    if ABBE in inputs and preset.abbe is not None:
-        inputs[ABBE].default_value = preset.abbe
 
 
 def write_numbers(node: Node, preset: Preset) -> None:

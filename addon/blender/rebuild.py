@@ -166,7 +166,8 @@ def _exchange(made: Material, preset: Preset, choice: Choice) -> list[str]:
         lost = _restore(made, preset, choice, group)
     else:
         lost = _swap(made, node, group, preset)
-        material.write_choice(node, preset, choice)
+        if "Bound" in (inputs := nodegroups.inputs(node)):
+            inputs["Bound"].default_value = choice.bound
         material.bind_lights(made, node, choice)
         lost += _show(made, node)
     for inside in roles.nodes(made, roles.ABSORPTION):
@@ -222,6 +223,10 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree, preset: Preset) -> 
     node.node_tree = group
     after = nodegroups.inputs(node)
     _fill(tree, group, kept, after)
+    numbers = material.numbers_of(preset)
+    for name, socket in material.parameter_sockets(made).items():
+        if label(preset.model, name) in after.keys() - kept.keys():
+            give(name, socket, numbers[name])
     where = {name: socket.path_from_id() for name, socket in after.items()}
     lost = {path.name for path in paths if not path.lead_to(where.get(path.name, ""))}
     lost |= {name for name, one in kept.items() if one.sources and name not in after}

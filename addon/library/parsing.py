@@ -6,7 +6,6 @@
     m = 0.3                         # RMS facet slope; 0 is a plain smooth interface
     m_range = [0.02, 0.5]           # slopes that suit it; may be left out, as may tags, notes, trust and [verified]
     tags = ["metal"]
-    abbe = 64.2                     # (n_d - 1) / (n_F - n_C), of clear materials alone; may be left out
     [fresnel]                       # one of: f0 (RGB); f0 and f82_tint (RGB); eta; n and k (RGB)
     f0 = [0.95, 0.64, 0.54]
     [source]
@@ -35,11 +34,10 @@ if TYPE_CHECKING:
     from ..models import Model, Number
 
 LONGEST_NAME = 60  # characters (Blender keeps 63 bytes of a name)
-TOP_KEYS: dict[str, type] = {"name": str, "model": str, "kind": str, "fresnel": dict, "source": dict, "tags": list}
-TOP_KEYS |= {"notes": str, "abbe": float, "m_range": list, "verified": dict, "time": dict}
+TOP_KEYS = {"name": str, "model": str, "kind": str, "fresnel": dict, "source": dict, "tags": list, "notes": str}
+TOP_KEYS |= {"m_range": list, "verified": dict, "time": dict}
 SOURCE_KEYS = ("data", "licence", "trust", "colour", "roughness")
 EVIDENCE = ("measured", "computed", "quoted", "by eye")  # how colour and roughness are known
-ABBE = (1.0, 1000.0)  # Abbe numbers that a material may have
 EXAMPLES = {
     "name": 'name = "Copper"',
     "model": 'model = "cook_torrance"',
@@ -75,7 +73,6 @@ def parse(text: str, identity: str, where: str) -> Preset:
         _source(where, data["source"]),
         tuple(as_typed(where, "tags", tag, str) for tag in data.get("tags", [])),
         data.get("notes", ""),
-        abbe=_abbe(where, data["abbe"], model) if "abbe" in data else None,
         m_range=_m_range(where, data["m_range"], parameters) if "m_range" in data else None,
         verified=_verified(where, data.get("verified", {})),
         time=timeline.parse(where, data["time"], parameters) if "time" in data else None,
@@ -179,17 +176,6 @@ def _m_range(where: str, values: list[Any], parameters: dict[str, Any]) -> tuple
         message = f"{where}: m_range must be two slopes with m = {parameters['m']:g} between them, got {values}"
         raise PresetError(message)
     return bounds[0], bounds[1]
-
-
-def _abbe(where: str, value: float, model: Model) -> float:
-    """An Abbe number: from under 10 of liquids that bend strongly to 235 of helium."""
-    if not model.transparent:
-        message = f"{where}: abbe goes with a clear material; leave it out"
-        raise PresetError(message)
-    if not ABBE[0] <= value <= ABBE[1]:
-        message = f"{where}: abbe must be between {ABBE[0]:g} and {ABBE[1]:g}, got {shown(value)}"
-        raise PresetError(message)
-    return float(value)
 
 
 def _verified(where: str, table: dict[str, Any]) -> dict[str, Number]:

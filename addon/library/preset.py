@@ -21,9 +21,9 @@ class Preset:
     """One material. ``parameters`` holds the model's numbers by their reference names.
 
     ``kind`` is the form of the model, one of its spec's ``kinds``: where it has a Fresnel term, that of the term.
-    ``flags``: those of the model's flags that are true. ``m_range``: slopes that suit the material. ``abbe``: its Abbe
-    number (n_d - 1) / (n_F - n_C), where it is clear and that is known. ``verified``: its reflectance head-on, "f0", by
-    the reference. ``time``: how its numbers change, where they do; ``parameters`` are those at the start.
+    ``flags``: those of the model's flags that are true. ``m_range``: slopes that suit the material. ``verified``: its
+    reflectance head-on, "f0", by the reference. ``time``: how its numbers change, where they do; ``parameters`` are
+    those at the start.
     """
 
     id: str
@@ -38,7 +38,6 @@ class Preset:
     m_range: tuple[float, float] | None = None
     verified: dict[str, Number] = field(default_factory=dict)
     time: timeline.Timeline | None = None
-    abbe: float | None = None
 
     @property
     def family(self) -> str:
@@ -98,7 +97,7 @@ class Preset:
     @property
     def can_disperse(self) -> bool:
         """Whether it refracts by a known Abbe number."""
-        return self.refracts and self.abbe is not None
+        return self.refracts and self.parameters.get("abbe", 0.0) != 0.0
 
     @property
     def lobes(self) -> int:

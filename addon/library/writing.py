@@ -55,7 +55,7 @@ def dumps(preset: Preset) -> str:
         keys, count = [one.name for one in spec.lobes], preset.lobes
         tables["lobes"] = [{key: numbers.pop(f"{key}_{k}") for key in keys} for k in range(1, count + 1)]
     values |= {flag: flag in preset.flags for flag in spec.flags}
-    optional = {"tags": preset.tags, "notes": preset.notes, "m_range": preset.m_range, "abbe": preset.abbe}
+    optional = {"tags": preset.tags, "notes": preset.notes, "m_range": preset.m_range}
     values |= {key: of for key, of in optional.items() if of} | numbers
     tables["source"] = dict(preset.source)
     if preset.verified:

@@ -11,8 +11,11 @@ from vgroove import headless
 from vgroove.addon.blender import convert, gonio, material, origin, rebuild, roles
 from vgroove.addon.blender.material import Choice, build
 from vgroove.addon.library import presets
+from vgroove.addon.models.glass import ABBE
 from vgroove.nodegroups import versions
-from vgroove.nodegroups.parameters import ABBE
+
+from ..commands import patient as vgroove
+from ..commands import read_exr
 
 pytestmark = pytest.mark.blender
 
@@ -27,7 +30,8 @@ LINES = {"C": 0.6563, "d": 0.5876, "F": 0.4861}  # micrometres
 def inside(made):
     """The kinds of nodes in the model's group, and what its Abbe number is."""
     node = roles.node(made, roles.MODEL)
-    return {one.bl_idname for one in node.node_tree.nodes}, (ABBE in node.inputs and node.inputs[ABBE].default_value)
+    kinds = {one.bl_idname for one in node.node_tree.nodes}
+    return kinds, (ABBE.label in node.inputs and node.inputs[ABBE.label].default_value)
 
 
 def test_it_is_off_unless_chosen_and_kept_through_changes(blender):
@@ -40,7 +44,7 @@ def test_it_is_off_unless_chosen_and_kept_through_changes(blender):
         kinds, abbe = inside(made)
         assert origin.read(made).disperses
         assert ("ShaderNodeBsdfPrincipled" in kinds) is versions.DISPERSES
-        assert abbe == (pytest.approx(preset.abbe) if versions.DISPERSES else False)
+        assert abbe == (pytest.approx(preset.parameters["abbe"]) if versions.DISPERSES else False)
     assert not material.is_edited(made)
     assert build(preset, SPREAD) == made
     rebuild.rebuild(made, blender.context.scene, disperses=False)
@@ -57,10 +61,58 @@ def test_what_has_no_abbe_number_or_no_inside_does_not_spread(blender):
 
 
 @since_5_3
+def test_its_number_is_an_input_like_others(blender):
+    """The preset's number where it is switched on in place; an edit outlives a rebuild, is saved and can be reset."""
+    preset = presets.find(GLASS)
+    made = build(preset, Choice(estimator="mirror"))
+    rebuild.rebuild(made, blender.context.scene, disperses=True)
+    socket = material.parameter_sockets(made)["abbe"]
+    assert socket.default_value == pytest.approx(preset.parameters["abbe"])
+    assert not material.is_edited(made)
+    socket.default_value = 10.0
+    rebuild.rebuild(made, blender.context.scene, estimator="closure")
+    assert material.is_edited(made)
+    assert inside(made)[1] == 10.0
+    assert material.to_preset(made).parameters["abbe"] == 10.0
+    rebuild.reset(made, blender.context.scene)
+    assert inside(made)[1] == pytest.approx(preset.parameters["abbe"])
+
+
+@since_5_3
+def test_switched_off_it_renders_as_if_never_switched_on(blender):
+    """Bit for bit, and other than while it was on."""
+    preset = presets.find(GLASS)
+    before = _seen_through_a_prism(blender, build(preset, Choice(estimator="mirror")), osl=False, of_x=1.0)
+    made = build(preset.with_parameters(abbe=30.0), SPREAD)
+    on = _seen_through_a_prism(blender, made, osl=False, of_x=1.0)
+    rebuild.rebuild(made, blender.context.scene, disperses=False)
+    off = _seen_through_a_prism(blender, made, osl=False, of_x=1.0)
+    assert before.tolist() == off.tolist() != on.tolist()
+
+
+@since_5_3
+def test_commands_and_jobs_take_it(tmp_path):
+    """The same picture by either, other than without, and other again by another number."""
+    small = ("--samples", 4, "--resolution", "32x24")
+    for name, more in {"off": (), "on": ("--dispersion",), "less": ("--dispersion", "--set", "abbe=90")}.items():
+        assert vgroove("render", GLASS, *more, *small, "-o", tmp_path / f"{name}.exr").code == 0
+    job = f'[[render]]\npreset = "{GLASS}"\ndispersion = [true, false]\nsamples = 4\nresolution = "32x24"'
+    (tmp_path / "job.toml").write_text(job)
+    assert vgroove("batch", tmp_path / "job.toml", "-o", tmp_path / "out").code == 0
+    off, on, less = (read_exr(tmp_path / f"{name}.exr")[0] for name in ("off", "on", "less"))
+    by_batch = [read_exr(path)[0] for path in (tmp_path / "out").glob("*.exr")]
+    assert not np.array_equal(off, on)
+    assert not np.array_equal(on, less)
+    for image in (off, on):  # a batch renders in two halves, of which the mean is rounded
+        assert any(np.allclose(image, one, rtol=1e-5, atol=1e-6) for one in by_batch)
+
+
+@since_5_3
 def test_conversion_keeps_it(blender):
-    inputs = convert.convert(build(presets.find(GLASS), SPREAD)).node.inputs
+    preset = presets.find(GLASS)
+    inputs = convert.convert(build(preset, SPREAD)).node.inputs
     assert inputs["Transmission Dispersion Scale"].default_value == 1.0
-    assert inputs["Transmission Dispersion Abbe Number"].default_value == pytest.approx(presets.find(GLASS).abbe)
+    assert inputs["Transmission Dispersion Abbe Number"].default_value == pytest.approx(preset.parameters["abbe"])
 
 
 def matching():
@@ -124,7 +176,7 @@ def test_red_and_blue_bend_by_snell_s_law_for_their_index(blender, osl):
     preset = presets.find(GLASS).with_parameters(absorption=(0.0, 0.0, 0.0))
     eta, backend = preset.parameters["eta"], "osl" if osl else "nodes"
     wavelengths, weights = matching()
-    B = (eta - 1.0) / preset.abbe / (LINES["F"] ** -2 - LINES["C"] ** -2)
+    B = (eta - 1.0) / preset.parameters["abbe"] / (LINES["F"] ** -2 - LINES["C"] ** -2)
     x = _leaves(eta + B * (wavelengths**-2.0 - LINES["d"] ** -2))
     expected = x @ weights
     s = np.sqrt(np.mean((weights * weights.shape[0] * (x[:, None] - expected)) ** 2, axis=0) / (PIXELS**2 * SAMPLES))

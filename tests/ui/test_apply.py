@@ -41,9 +41,9 @@ def test_apply_gives_hybrid_the_bound_of_the_panel(extension):
 def test_dispersion_is_a_switch_that_is_off(extension):
     """Shown for what has an Abbe number, usable where Cycles can; applying again changes the material in place."""
     from vgroove.addon.blender import origin
+    from vgroove.addon.models.glass import ABBE
     from vgroove.addon.ui import panels
     from vgroove.nodegroups import versions
-    from vgroove.nodegroups.parameters import ABBE
 
     settings = extension.context.scene.vgroove
     settings.preset = "glasses/window"
@@ -59,7 +59,7 @@ def test_dispersion_is_a_switch_that_is_off(extension):
         made.append(extension.context.object.active_material)
         assert origin.read(made[-1]).disperses is settings.disperses
         groups = [node for node in made[-1].node_tree.nodes if node.bl_idname == "ShaderNodeGroup"]
-        assert any(ABBE in node.inputs for node in groups) is (settings.disperses and versions.DISPERSES)
+        assert any(ABBE.label in node.inputs for node in groups) is (settings.disperses and versions.DISPERSES)
     assert made[0] == made[1]
 
 
