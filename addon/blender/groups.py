@@ -43,7 +43,8 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.lamps and not binds("direct", 0.0, preset.model):
         message = f"{preset.id} is {preset.model}, which evaluates no lamps by itself; leave lamps empty"
         raise MaterialError(message)
-    fit_table.restore()  # groups that are there already may have lost it
+    if fit_table.find() is None:
+        fit_table.restore()  # an artist may have deleted it from groups that are there already
     module, spec = known[choice.estimator], preset.spec
     form = import_module(f".{preset.model}", nodegroups.__name__)
     parts = {name: group_of(part, choice) for name, part in preset.parts().items()}
