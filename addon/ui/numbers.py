@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A material's numbers in other words than its inputs have: the colour of a metal, and parameters as papers give them.
 
-Nothing is stored: each property reads the material's inputs and writes them.
+Each property reads the material's inputs and writes them. Only the edge of a metal is stored, which n and k do not tell
+where they are held to their range.
 """
 
 from __future__ import annotations
@@ -42,10 +43,17 @@ def _set_color(numbers: VGrooveNumbers, color: Any) -> None:
     held = sockets(numbers.id_data)
     if not has_index(numbers.id_data):
         return
-    _, g = head_on_and_edge(*(value_of(name, held[name]) for name in "nk"))
+    index = _index(held)
+    g = numbers.edge if tuple(numbers.edge_of) == index else head_on_and_edge(index[:3], index[3:])[1]
     r = [max(channel, DARKEST) for channel in color]
     for name, value in zip("nk", conductor_of(r, g, parameter("n").high), strict=True):
         give(name, held[name], tuple(value.tolist()))
+    numbers.edge, numbers.edge_of = g, _index(held)
+
+
+def _index(held: dict[str, NodeSocket]) -> tuple[float, ...]:
+    """n and k as the inputs hold them."""
+    return tuple(value for name in "nk" for value in held[name].default_value)
 
 
 def _measured(made: Material) -> dict[str, tuple[float, ...]]:
@@ -99,6 +107,8 @@ class VGrooveNumbers(bpy.types.PropertyGroup):
         name="Measured", description="IOR and Extinction are those of the preset. Turn on to restore them",
         options=set(), get=_get_measured, set=_set_measured,
     )  # fmt: skip
+    edge: bpy.props.FloatVectorProperty(options={"HIDDEN"})  # g of ``head_on_and_edge`` by which Color was set last
+    edge_of: bpy.props.FloatVectorProperty(size=6, options={"HIDDEN"})  # n and k that it gave
     m: _as_published("m", "RMS slope of the facets, as in Cook and Torrance: the square of Roughness")
     sigma: _as_published("sigma", "Standard deviation of the facets' tilt, as in Oren and Nayar")
 

@@ -34,6 +34,16 @@ def test_the_colour_of_a_metal_moves_its_index(extension):
         now = material.origin_of(made).preset
         assert now == now.with_parameters(m=now.m)  # in the range that files allow
         np.testing.assert_allclose(now.reference_fresnel()(1.0), np.clip(color, 1e-3, 0.9999), rtol=1e-3)
+    numbers.measured = True
+    for color in ((1.0, 1.0, 1.0), copper.reference_fresnel()(1.0)):  # n and k reach 20, and forget the edge
+        numbers.color = color
+    for name, value in material.origin_of(made).preset.parameters.items():
+        np.testing.assert_allclose(value, copper.parameters[name], rtol=1e-4)
+    sockets = material.parameter_sockets(made)
+    numbers.color = (1.0, 1.0, 1.0)
+    sockets["n"].default_value, sockets["k"].default_value = (1.5, 1.5, 1.5), (2.0, 2.0, 2.0)  # by hand: another edge
+    numbers.color = numbers.color
+    np.testing.assert_allclose(sockets["k"].default_value, 2.0, rtol=1e-4)
     noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
     made.node_tree.links.new(noise.outputs["Color"], material.parameter_sockets(made)["n"])
     numbers.color = (0.5, 0.5, 0.5)  # nothing to set
