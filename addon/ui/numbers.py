@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..blender import colour_space, material
+from ..blender import beside, colour_space, material
 from ..blender.inputs import give, value_of
 from ..models import parameter
 from ..reference.fresnel import conductor_of, head_on_and_edge
@@ -77,6 +77,26 @@ def _set_measured(numbers: VGrooveNumbers, wanted: bool) -> None:  # noqa: FBT00
             give(name, sockets(numbers.id_data)[name], value)
 
 
+def takes_alpha(made: Material) -> bool:
+    """Whether an alpha would count: every output shows something, and no texture feeds the alpha."""
+    shown, passing = list(beside.outputs(made)), beside.alpha(made)
+    fed = passing is not None and passing[0].is_linked
+    return bool(shown) and not fed and all(output.inputs["Surface"].is_linked for output in shown)
+
+
+def _get_alpha(numbers: VGrooveNumbers) -> float:
+    passing = beside.alpha(numbers.id_data) if material.is_ours(numbers.id_data) else None
+    if passing is None:
+        return 1.0
+    socket, inverse = passing
+    return 1.0 - socket.default_value if inverse else float(socket.default_value)
+
+
+def _set_alpha(numbers: VGrooveNumbers, alpha: float) -> None:
+    if material.is_ours(numbers.id_data) and takes_alpha(numbers.id_data):
+        beside.set_alpha(numbers.id_data, alpha)
+
+
 def _as_published(name: str, tip: str) -> Any:
     """A property that shows parameter ``name`` itself, whatever its input holds in its place."""
     of = parameter(name)
@@ -107,6 +127,10 @@ class VGrooveNumbers(bpy.types.PropertyGroup):
         name="Measured", description="IOR and Extinction are those of the preset. Turn on to restore them",
         options=set(), get=_get_measured, set=_set_measured,
     )  # fmt: skip
+    alpha: bpy.props.FloatProperty(
+        name="Alpha", description="Share of the surface that is there; the rest lets light straight through",
+        subtype="FACTOR", min=0.0, max=1.0, options=set(), get=_get_alpha, set=_set_alpha,
+    )  # fmt: skip
     edge: bpy.props.FloatVectorProperty(options={"HIDDEN"})  # g of ``head_on_and_edge`` by which Color was set last
     edge_of: bpy.props.FloatVectorProperty(size=6, options={"HIDDEN"})  # n and k that it gave
     m: _as_published("m", "RMS slope of the facets, as in Cook and Torrance: the square of Roughness")
@@ -123,6 +147,8 @@ def draw(layout: bpy.types.UILayout, made: Material) -> None:
     for name, socket in held.items():
         if name not in {"n", "k"} or not has_index(made):
             layout.prop(socket, "default_value", text=socket.name)
+    if takes_alpha(made):
+        layout.prop(made.vgroove_numbers, "alpha")
 
 
 def is_published(made: Material) -> bool:
