@@ -13,7 +13,18 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from optical_constants import ABSORBING, AT, Constants, absorption, constants, effective, reflectance, table, targets
+from optical_constants import (
+    ABSORBING,
+    AT,
+    Constants,
+    abbe_of,
+    absorption,
+    constants,
+    effective,
+    reflectance,
+    table,
+    targets,
+)  # fmt: skip
 
 from vgroove.addon.library import writing as preset_files
 from vgroove.addon.library.presets import FOLDER
@@ -247,6 +258,7 @@ def transparent() -> Iterator[tuple[str, str]]:
         values = described(material.family, material.material, "glass") | {"m": 0.0, "m_range": (0.0, 0.5)}
         eta = float(f"{material.n_d:.6g}")  # as the file holds it
         values |= {"eta": eta} | ({} if colours is None else {"absorption": colours})
+        values |= {"abbe": material.abbe} if material.abbe else {}
         yield (
             identity_of(material.family, material.material),
             text_of(values, source=cited(material, trust), verified=head_on(eta)),
@@ -266,6 +278,11 @@ def single_indices() -> Iterator[tuple[str, str]]:
             trust = f"eta is quoted, not traced to a measurement; {passes}; m = 0 is an ideal polish"
             values = described(row["family"], row["material"], "glass") | {"m": 0.0, "m_range": (0.0, 0.5), "eta": n}
             values |= {"tint": tint_of(colour)} if colour else {}
+            if row["dispersion"]:
+                values["abbe"] = float(f"{abbe_of(n, float(row['dispersion'])):.2g}")
+                trust += (
+                    "; abbe follows by Cauchy's formula from the dispersion between 686.7 and 430.8 nm that is quoted"
+                )
             tables = {"source": source | {"trust": trust}, "verified": head_on(n)}
         else:
             trust = f"eta is quoted, not traced to a measurement; colour is chosen; {LOOK}"

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from ... import nodegroups
-from ...nodegroups import absorption, eevee, fit_table
+from ...nodegroups import absorption, eevee, fit_table, versions
 from ..models import MODELS
 from ..models.estimators import NATIVE
 from .choice import Choice, MaterialError, binds
@@ -43,12 +43,16 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.lamps and not binds("direct", 0.0, preset.model):
         message = f"{preset.id} is {preset.model}, which evaluates no lamps by itself; leave lamps empty"
         raise MaterialError(message)
-    fit_table.restore()  # groups that are there already may have lost it
+    if fit_table.find() is None:
+        fit_table.restore()  # an artist may have deleted it from groups that are there already
     module, spec = known[choice.estimator], preset.spec
     form = import_module(f".{preset.model}", nodegroups.__name__)
     parts = {name: group_of(part, choice) for name, part in preset.parts().items()}
     label, arguments = form.variant(preset, choice.estimator, parts) if parts else form.variant(preset)
-    build_group = module.build_osl if choice.backend == "osl" and not parts else module.build
+    spreads = disperses(preset, choice)
+    if spreads:
+        label, arguments = f"{label} Dispersive".strip(), arguments | {"disperses": True}
+    build_group = module.build_osl if choice.backend == "osl" and not (parts or spreads) else module.build
     if not (parts or spec.transparent or choice.estimator in NATIVE):
         arguments["lamps"] = len(choice.lamps)
     label = f"{module.NAME} {label}".strip()
@@ -58,6 +62,14 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.backend == "osl" or choice.estimator not in NATIVE:
         build = partial(_with_eevee, build, group_of(preset, Choice("nodes", "closure")))
     return nodegroups.ensure(label + suffix(choice), module.REVISION, build)
+
+
+def disperses(preset: Preset, choice: Choice) -> bool:
+    """Whether a material bends each colour by itself. Of a rough one by random facets none does."""
+    return (
+        choice.disperses and versions.DISPERSES and preset.can_disperse
+        and (preset.is_smooth or choice.estimator in NATIVE)
+    )  # fmt: skip
 
 
 def absorption_group() -> ShaderNodeTree:

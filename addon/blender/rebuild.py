@@ -39,7 +39,7 @@ UNCHANGED: Any = object()  # the animation stays as it is
 
 def rebuild(
     made: Material, scene: Scene, *, backend: str | None = None, estimator: str | None = None,
-    bound: float | None = None, play: Play | None = UNCHANGED,
+    bound: float | None = None, disperses: bool | None = None, play: Play | None = UNCHANGED,
 ) -> list[str]:  # fmt: skip
     """Change ``made`` in place by the arguments, and to the lights of ``scene``; what the arguments leave out stays.
 
@@ -49,7 +49,8 @@ def rebuild(
     estimator = estimator or record.estimator
     limit = material.origin_of(made).bound if bound is None else bound
     lamps = _lights(made, scene, estimator, record.preset.model)
-    choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, record.play)
+    spread = record.disperses if disperses is None else disperses
+    choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, spread, record.play)
     lost = _exchange(made, record.preset, choice)
     changed = material.record_of(record.preset, choice)
     origin.write(made, replace(changed, state=_as_new(record.preset, choice)))
@@ -74,7 +75,7 @@ def as_preset(made: Material, scene: Scene, change: Callable[[Preset], Preset]) 
     if preset == before.preset:
         return []
     lamps = _lights(made, scene, record.estimator, preset.model)
-    choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound)
+    choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound, record.disperses)
     lost = _exchange(made, preset, choice)
     origin.write(made, replace(material.record_of(preset, choice), state=_as_new(preset, choice)))
     numbers = material.numbers_of(preset)
@@ -236,6 +237,10 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree, preset: Preset) -> 
     node.node_tree = group
     after = nodegroups.inputs(node)
     _fill(tree, group, kept, after)
+    numbers = material.numbers_of(preset)
+    for name, socket in material.parameter_sockets(made).items():
+        if label(preset.model, name) in after.keys() - kept.keys():
+            give(name, socket, numbers[name])
     where = {name: socket.path_from_id() for name, socket in after.items()}
     lost = {path.name for path in paths if not path.lead_to(where.get(path.name, ""))}
     lost |= {name for name, one in kept.items() if one.sources and name not in after}

@@ -125,11 +125,20 @@ def shown_items(settings: VGrooveSettings, _context: object) -> list[Item]:
     return _shown
 
 
-def _choose_shown(settings: VGrooveSettings, _context: object) -> None:
+def choose_listed(settings: VGrooveSettings, _context: object = None) -> None:
     """Another family or search: where the chosen preset is not among what it lists, its first one is chosen."""
     listed = matching(settings)
     if listed and chosen_preset(settings) not in listed:
         settings.preset = listed[0].id
+
+
+def _list_chosen(settings: VGrooveSettings, _context: object) -> None:
+    """Another preset, by a script or an operator: where it is not listed, its family is."""
+    chosen = chosen_preset(settings)
+    if chosen not in matching(settings):
+        settings.search = ""
+        settings.family = families.title(chosen.id)
+        settings.preset = chosen.id  # again: meanwhile the first of a list was chosen
 
 
 def _get_shown(settings: VGrooveSettings) -> int:
@@ -158,19 +167,20 @@ class VGrooveSettings(bpy.types.PropertyGroup):
         description="The material to apply, by id",
         default=FIRST,
         options={"HIDDEN"},
+        update=_list_chosen,
     )
     family: bpy.props.EnumProperty(
         name="Family",
         description="Which presets to list",
         items=family_items,
         default=number(families.TITLES[0]),
-        update=_choose_shown,
+        update=choose_listed,
     )
     search: bpy.props.StringProperty(
         name="Search",
         description="Words to find in all families, such as: gold satin",
         options={"TEXTEDIT_UPDATE"},
-        update=_choose_shown,
+        update=choose_listed,
     )
     shown: bpy.props.EnumProperty(
         name="Preset", description="The material to apply", items=shown_items, get=_get_shown, set=_set_shown
@@ -183,6 +193,11 @@ class VGrooveSettings(bpy.types.PropertyGroup):
         name="Keep Textures",
         description="The new material takes the image textures, bump and displacement of the one that it replaces",
         default=True,
+    )
+    disperses: bpy.props.BoolProperty(
+        name="Dispersion",
+        description="Colors spread by the material's Abbe number, as in a prism. Blender 5.3 and newer; more noise",
+        default=False,
     )
     quality: bpy.props.EnumProperty(
         name="Quality",

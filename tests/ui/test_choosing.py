@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Choosing a preset in the panel: search, families, names in files, pictures."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from vgroove import headless
+from vgroove.addon.blender import material
 
 from .panel import drawn
 
@@ -27,7 +30,53 @@ def test_the_search_offers_what_it_finds(extension):
     settings.search = ""
     assert settings.preset != purple  # the family Metals has it not
     settings.preset = "gems/diamond"
-    assert settings.shown == "gems/diamond"  # a script's choice stands
+    assert (settings.shown, settings.family) == ("gems/diamond", "Gems")  # a script's choice stands, and is listed
+    settings.search = "gold"
+    settings.preset = "gems/ruby"
+    assert (settings.shown, settings.family, settings.search) == ("gems/ruby", "Gems", "")
+
+
+@pytest.fixture
+def _preferences(extension, monkeypatch):
+    """Preferences, as Blender gives them to what it knows as an extension."""
+    from vgroove.addon.ui import memory
+
+    kept = SimpleNamespace(favourites="", recent="", show_estimators=False)
+    monkeypatch.setattr(memory, "preferences", lambda: kept)
+
+
+@pytest.mark.usefixtures("_preferences")
+def test_favourites_and_recent_ones_are_families(extension):
+    """A star and Apply add to them; what is shown is always listed, and is what Apply applies."""
+    from vgroove.addon.ui import properties
+
+    settings, operators = extension.context.scene.vgroove, extension.ops.vgroove
+    offered = [item[0] for item in properties.family_items(settings, None)]
+    assert offered[:3] == [properties.ALL, properties.FAVOURITES, properties.RECENT]
+    settings.family = properties.FAVOURITES
+    assert properties.matching(settings) == []
+    assert not operators.apply.poll()
+    for identity in ("gems/diamond", "stone/slate", "metals/gold"):
+        settings.preset = identity
+        assert operators.favourite() == {"FINISHED"}
+    settings.family = properties.FAVOURITES
+    assert [one.id for one in properties.matching(settings)] == ["gems/diamond", "stone/slate", "metals/gold"]
+    assert settings.shown == "metals/gold"
+    operators.favourite()  # takes the star
+    assert [one.id for one in properties.matching(settings)] == ["gems/diamond", "stone/slate"]
+    assert settings.shown == "gems/diamond"
+    for shown in ("stone/slate", "gems/diamond"):
+        settings.shown = shown
+        with headless.quiet():
+            assert operators.apply() == {"FINISHED"}
+        assert material.preset_of(extension.context.object.active_material).id == shown
+    settings.family = properties.RECENT
+    assert [one.id for one in properties.matching(settings)] == ["gems/diamond", "stone/slate"]
+    settings.search = "slate"
+    assert settings.shown == "stone/slate"
+    with headless.quiet():
+        operators.apply()
+    assert material.preset_of(extension.context.object.active_material).id == "stone/slate"
 
 
 def test_another_family_shows_one_of_its_own(extension):
