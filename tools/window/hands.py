@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 STEP = 14  # pixels between two looks for a button, which is 20 high
 BLINK = 0.05  # seconds in which Blender handles an event that changes little
 REST = 0.4  # seconds in which it redraws
-SECONDS = 240  # of a scenario, on a machine with other work
+SECONDS = 90  # of a scenario, on a machine with other work
 
 
 class Hands:
@@ -84,10 +84,11 @@ class Hands:
     def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 12) -> Steps:
         """With pauses on the way, in which Blender sees that a drag began and what it is over."""
         yield from self.move(*start)
+        yield REST  # what is below the mouse wakes up
         self._send("LEFTMOUSE", "PRESS")
         yield BLINK
-        for step in range(1, steps + 1):
-            part = step / steps
+        ways = [0.01, 0.02, 0.04, *(step / steps for step in range(1, steps + 1))]  # a drag begins slowly
+        for part in ways:
             yield from self.move(*(a + (b - a) * part for a, b in zip(start, end, strict=True)))
         yield REST
         self._send("LEFTMOUSE", "RELEASE")

@@ -13,6 +13,7 @@ import machine
 
 HANDS = Path(__file__).parent / "hands.py"
 SECONDS = 300  # in which Blender ends itself: longer than hands.py gives a scenario
+SETTINGS = "with", "without"  # the extension
 PREPARE = """
 import bpy
 view = bpy.context.preferences.view
@@ -29,7 +30,8 @@ class Session:
         self.name = name
         self.folder = machine.set_up() / "work" / name
         shutil.rmtree(self.folder, ignore_errors=True)
-        self.folder.mkdir(parents=True)
+        for settings in SETTINGS:  # Blender takes others where the folder is not there
+            (self.folder / settings).mkdir(parents=True)
 
     @property
     def extension(self) -> Path:
@@ -41,7 +43,7 @@ class Session:
         shutil.copy(archive, self.folder / archive.name)
         where = f"/work/{self.name}/{archive.name}"
         self.blender("with", "--command", "extension", "install-file", "-r", "user_default", "-e", where)
-        for settings in ("with", "without"):
+        for settings in SETTINGS:
             self.blender(settings, "--background", "--python-expr", PREPARE)
 
     def run(self, script: Path, name: str, settings: str = "with", **notes: Any) -> dict[str, Any]:

@@ -1,0 +1,151 @@
+"""Files, the Asset Browser and Material Preview. Scenarios for tools/window/hands.py."""
+
+import sys
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import bpy
+import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+EXTENSION = "bl_ext.user_default.vgroove"
+# Of every model; one by each quality beside Standard, one that changes over time.
+TWENTY = """
+metals/gold metals/copper metals_schlick/iron_schlick finished_metals/copper_satin alloys/brass lecture/plastic
+plastics/abs_plastic diffuse/plaster diffuse/clay car_paints/blue car_paints/polaris_silver glasses/glass
+glasses/window gems/diamond liquids/water translucent/marble translucent/skin_1 time_varying/rusting_iron
+metals/silver lecture/aluminium
+""".split()
+QUALITIES = {"metals/silver": "mirror", "lecture/aluminium": "corrected"}
+
+
+def module(name):
+    return sys.modules[f"{EXTENSION}.{name}"]
+
+
+def ball(preset, x, y):
+    """A ball with a preset, as the panel applies it; returns the processor's seconds."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, location=(x, y, 0.0))
+    bpy.ops.object.shade_smooth()
+    settings = bpy.context.scene.vgroove
+    settings.preset, settings.estimator = preset, QUALITIES.get(preset, "auto")
+    began = time.process_time()
+    assert bpy.ops.vgroove.apply() == {"FINISHED"}
+    return time.process_time() - began
+
+
+def on_screen(hands, area, point):
+    """Where the viewport shows a point."""
+    region = hands.region(area, "WINDOW")
+    x, y = location_3d_to_region_2d(region, area.spaces.active.region_3d, point)
+    return int(region.x + x), int(region.y + y)
+
+
+def starts(hands):
+    """What the panel warns of in Blender's own scene."""
+    assert EXTENSION in bpy.context.preferences.addons.keys()
+    yield 0.1
+    operators = module("addon.ui.operators")
+    hands.notes["warnings"] = [one.text for one in operators.current_problems(bpy.context.scene)]
+
+
+def saves(hands):
+    """Twenty presets on balls; the file and its picture."""
+    yield 0.1
+    scene = bpy.context.scene
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
+    with hands.within(hands.area("VIEW_3D")):
+        seconds = [ball(preset, 2.5 * (k % 5 - 2), 2.5 * (k // 5 - 1.5)) for k, preset in enumerate(TWENTY)]
+    hands.notes["first"], hands.notes["slowest"] = seconds[0], max(seconds[1:])
+    camera = scene.camera
+    camera.location, camera.rotation_euler = (0.0, 0.0, 20.0), (0.0, 0.0, 0.0)
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 13.0
+    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 8, False
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 80, 64, 100
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    render(hands, "before")
+    path = hands.folder / "twenty.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    hands.notes["bytes"] = path.stat().st_size
+
+
+def render(hands, name):
+    bpy.context.scene.render.filepath = str(hands.folder / f"{name}.exr")
+    bpy.ops.render.render(write_still=True)
+
+
+def reopens(hands):
+    """Where the extension is not installed the file renders the same."""
+    assert EXTENSION not in bpy.context.preferences.addons.keys()
+    yield 0.1
+    bpy.ops.wm.open_mainfile(filepath=str(hands.folder / "twenty.blend"))
+    yield 1.0
+    assert not hasattr(bpy.types.Scene, "vgroove")
+    render(hands, "after")
+    before, after = (pixels(hands.folder / f"{name}.exr") for name in ("before", "after"))
+    hands.notes["difference"] = float(np.abs(before - after).max())
+    hands.notes["brightest"] = float(before.max())
+
+
+def pixels(path: Path):
+    """(height, width, 3), from the bottom up."""
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.is_data = True
+    values = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(values)
+    width, height = image.size
+    bpy.data.images.remove(image)
+    return values.reshape(height, width, -1)[..., :3]
+
+
+def previews(hands):
+    """Material Preview, a ball for each model, once EEVEE has compiled them."""
+    yield 0.1
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
+    area = hands.area("VIEW_3D")
+    nodes = module("addon.blender.shader_nodes").NODES
+    where = {name: (2.4 * (k % 4 - 1.5), 2.4 * (0.5 - k // 4), 0.0) for k, name in enumerate(nodes)}
+    with hands.within(area):
+        for name, of in nodes.items():
+            ball(of.preset, *where[name][:2])
+        bpy.ops.object.select_all(action="DESELECT")
+        bpy.ops.view3d.view_axis(type="TOP")
+        bpy.ops.view3d.view_all()
+    area.spaces.active.overlay.show_overlays = False
+    area.spaces.active.shading.type = "MATERIAL"
+    yield 1.0  # the view takes its place
+    places = {name: on_screen(hands, area, place) for name, place in where.items()}
+    shown = []
+    while len(shown) < 3 or not all(np.array_equal(*pair) for pair in pairwise(shown[-3:])):
+        yield 4.0
+        hands.picture("preview")
+        screen = pixels(hands.folder / "preview.png")
+        shown.append(np.array([screen[y - 15 : y + 15, x - 15 : x + 15].mean((0, 1)) for x, y in places.values()]))
+        print(np.round(shown[-1][:,0],4).tolist(), flush=True)
+        if np.ptp(shown[-1], axis=0).max() < 0.1:
+            shown.clear()  # all look alike: EEVEE itself is being compiled
+    hands.notes["colors"] = dict(zip(nodes, shown[-1].tolist(), strict=True))
+
+
+def drags(hands):
+    """Gold from the Asset Browser onto the cube."""
+    assert bpy.ops.vgroove.asset_library(shown=True) == {"FINISHED"}
+    area = hands.area("PROPERTIES")
+    area.ui_type = "ASSETS"
+    yield 1.0
+    space = area.spaces.active
+    space.show_region_toolbar = space.show_region_tool_props = False
+    space.params.asset_library_reference = "V-Groove"
+    space.params.filter_search = "gold"
+    yield 2.0
+    region = hands.region(area, "WINDOW")
+    first = region.x + 60, region.y + region.height - 60
+    yield from hands.drag(first, on_screen(hands, hands.area("VIEW_3D"), (0.0, 0.0, 0.0)))
+    yield 1.0
+    hands.picture("dropped")
+    made = bpy.context.object.active_material
+    assert (made.name, made.library) == ("Gold", None)
+    assert module("addon.blender.material").is_ours(made)
+    yield from hands.key("Z", ctrl=True)
+    assert bpy.context.object.active_material.name == "Material"
