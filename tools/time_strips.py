@@ -1,24 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Contact strips of every preset that changes over time, one a row, and of some whose points have clocks of their own.
 
-python tools/time_strips.py FILE.webp SPREADING.webp      the body of tools/previews.py at eight moments of each course;
+python tools/time_strips.py FILE.webp SPREADING.webp      the studio's shape at eight moments of each course;
                                                           the second file has the rows of points with their own clocks
 """
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-import bpy
-import previews  # prepares Blender
 from PIL import Image, ImageDraw, ImageFont
 
 from vgroove import headless
-from vgroove.addon.blender import course, material, slots
-from vgroove.addon.blender.material import lamps_to_bind
-from vgroove.addon.choose import automatic
-from vgroove.addon.library import presets
+
+headless.prepare()
+
+import bpy  # noqa: E402 - after prepare()
+
+from vgroove.addon.blender import course, material, studio  # noqa: E402
+from vgroove.addon.choose import automatic  # noqa: E402
+from vgroove.addon.library import presets  # noqa: E402
 
 if TYPE_CHECKING:
     from vgroove.addon.library.presets import Preset
@@ -31,22 +34,20 @@ SPREADING = {"rusting_iron": (6.0, 0.9), "copper_patina": (4.0, 0.8), "banana_ri
 def frames(shown: bpy.types.Scene, preset: Preset, clock: tuple[float, float] | None) -> list[Image.Image]:
     """The body at each moment; ``clock``: by noise of this scale, points are late by up to this much."""
     estimator = automatic.pick_estimator(shown, preset)
-    lamps = lamps_to_bind(shown, estimator, preset.model)
     length = MOMENTS - 1.0
     if clock:  # the last points start when the first have gone half their way
         length /= 1.0 + clock[1]
     play = course.Play("age" if clock else "curves", 1.0, length)
-    made = material.build(preset, material.Choice("nodes", estimator, lamps, play=play))
+    made = material.build(preset, material.Choice("nodes", estimator, play=play))
     if clock:
         let_spread(made, *clock)
-    slots.apply(made, [shown.objects["Body"]])
+    studio.show(shown, preset, made)
     pictures = []
     for frame in range(1, MOMENTS + 1):
         shown.frame_set(frame)
-        path = previews.FOLDER.parent / "build" / "strip.webp"
+        path = Path(__file__).parent.parent / "build" / "strip.webp"
         path.parent.mkdir(exist_ok=True)
-        shown.render.filepath = str(path)
-        bpy.ops.render.render(write_still=True)
+        studio.picture(shown, path)
         pictures.append(Image.open(path).convert("RGB").resize((TILE, TILE), Image.Resampling.LANCZOS))
     bpy.data.materials.remove(made)
     return pictures
@@ -72,7 +73,7 @@ def let_spread(made: bpy.types.Material, scale: float, late: float) -> None:
 def sheet() -> Image.Image:
     """A heading, eight tiles and their times for each preset."""
     with headless.quiet():
-        shown = previews.stage()
+        shown = studio.scene()
     rows = [(preset, None) for preset in presets.shipped().values() if preset.time]
     rows += [(presets.find(f"time_varying/{name}"), clock) for name, clock in SPREADING.items()]
     height = HEADING + TILE + LABEL

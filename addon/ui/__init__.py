@@ -19,6 +19,7 @@ from . import (
     operators,
     own_presets,
     panels,
+    pictures,
     preferences,
     properties,
     shader_editor,
@@ -55,6 +56,7 @@ def register() -> None:
         undo.callback(shader_editor.unregister)
         thumbnails.register()
         undo.callback(thumbnails.unregister)
+        undo.callback(pictures.unregister)
         undo.callback(watch.unregister)
         watch.register()
         colour_update.register()

@@ -15,7 +15,7 @@ from ..library import presets
 from ..library import writing as preset_files
 from ..library.errors import InputError
 from ..library.files import replacing
-from . import memory
+from . import memory, pictures
 from .operators import ours, poll_ours
 from .properties import FIRST, chosen_preset, matching
 
@@ -61,7 +61,9 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
             source |= {"data": f"edited from {preset.id}, whose source is: {source['data']}"}
             source |= {"colour": "by eye", "roughness": "by eye"}
         edited = replace(preset, name=self.name, source=source)
-        return _save(self, context, lambda folder: preset_files.save(edited, folder, overwrite=self.overwrite))
+        return _save_with_picture(
+            self, context, lambda folder: preset_files.save(edited, folder, overwrite=self.overwrite)
+        )
 
 
 class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
@@ -81,7 +83,7 @@ class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
         return _poll_folder(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        return _save(
+        return _save_with_picture(
             self, context, lambda folder: preset_files.import_file(Path(bpy.path.abspath(self.filepath)), folder)
         )
 
@@ -138,6 +140,7 @@ class VGROOVE_OT_rename_preset(bpy.types.Operator):
         done = _save(self, context, lambda folder: preset_files.rename(preset, self.name, folder))
         if done == {"FINISHED"}:
             memory.renamed(preset.id, settings.preset)
+            pictures.rename(preset.id, settings.preset)
         return done
 
 
@@ -165,6 +168,7 @@ class VGROOVE_OT_delete_preset(bpy.types.Operator):
         except (InputError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        pictures.delete(preset.id)
         listed = matching(settings)
         settings.preset = listed[0].id if listed else FIRST
         self.report({"INFO"}, f"{preset.name} deleted from {folder}")
@@ -184,6 +188,15 @@ def _save(operator: bpy.types.Operator, context: bpy.types.Context, save: Callab
     context.scene.vgroove.preset = saved.id
     operator.report({"INFO"}, f"{saved.name} saved in {folder}")
     return {"FINISHED"}
+
+
+def _save_with_picture(
+    operator: bpy.types.Operator, context: bpy.types.Context, save: Callable[[Path], presets.Preset]
+) -> set[str]:
+    done = _save(operator, context, save)
+    if done == {"FINISHED"}:
+        pictures.request(context.scene.vgroove.preset)
+    return done
 
 
 def _poll_folder(operator: type[bpy.types.Operator]) -> bool:

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import bpy.utils.previews
 
+from ..library.presets import shipped
+from .preferences import ROOT
+
 if TYPE_CHECKING:
     from ..library.presets import Preset
 
@@ -35,9 +38,11 @@ def unregister() -> None:
 
 def icon(preset: Preset) -> int:
     """The icon of a preset's picture, which may be read later; 0, none, where there is no picture of it."""
-    pictures, path = _pictures[0], FOLDER / f"{preset.id}.webp"
+    pictures = _pictures[0]
     if preset.id not in pictures:
-        if not path.is_file():
+        folder = FOLDER if preset.id in shipped() else own_folder()
+        path = folder / f"{preset.id}.webp" if folder else None
+        if path is None or not path.is_file():
             return 0
         pictures.load(preset.id, str(path), "IMAGE")
         _waiting.append(preset.id)
@@ -46,12 +51,33 @@ def icon(preset: Preset) -> int:
     return int(pictures[preset.id].icon_id)
 
 
+def own_folder() -> Path | None:
+    """Where pictures of the user's own presets lie; None where Blender gives the extension no folder. Makes nothing."""
+    try:
+        return Path(bpy.utils.extension_path_user(ROOT, path="previews"))
+    except ValueError:  # it is not installed as an extension
+        return None
+
+
+def forget(identity: str) -> None:
+    """A preset's picture has changed or is gone: it is read again when it is next drawn."""
+    if identity in _waiting:
+        _waiting.remove(identity)
+    if identity in _pictures[0]:
+        del _pictures[0][identity]
+    _redraw()
+
+
 def _read_some() -> float | None:
     """Called by Blender until nothing waits."""
     for _ in range(min(AT_ONCE, len(_waiting))):
         _ = _pictures[0][_waiting.pop(0)].image_size[0]  # to ask for the size reads the file
+    _redraw()
+    return PAUSE if _waiting else None
+
+
+def _redraw() -> None:
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
-    return PAUSE if _waiting else None

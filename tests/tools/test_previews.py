@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of presets: the same each time, small, and each of its own material."""
 
+import importlib.util
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from vgroove.addon.library import presets
 from vgroove.addon.library.presets import shipped
 
 pytestmark = pytest.mark.blender
@@ -16,6 +19,36 @@ pytestmark = pytest.mark.blender
 TOOL = Path(__file__).parents[2] / "tools" / "previews.py"
 NAMES = ("metals/gold", "glasses/soda_lime_glass_green_tint")
 SHIPPED = 8e6  # bytes that all pictures may take together
+
+
+_spec = importlib.util.spec_from_file_location("previews", TOOL)
+previews = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(previews)
+
+
+def test_what_is_there_is_not_rendered_again(tmp_path, monkeypatch):
+    """A run resumes where it was interrupted; a changed preset file or studio, or a lost picture, is rendered."""
+    ids = [preset.id for preset in previews.wanted([], tmp_path)]
+    assert ids == list(shipped())
+    done = ids[:5]
+    for identity in done:
+        (tmp_path / f"{identity}.webp").parent.mkdir(exist_ok=True)
+        (tmp_path / f"{identity}.webp").touch()
+    digests = {identity: previews.digest(shipped()[identity]) for identity in done}
+    (tmp_path / previews.DIGESTS).write_text(json.dumps(digests), encoding="utf-8")
+    left = [preset.id for preset in previews.wanted([], tmp_path)]
+    assert left == ids[5:]
+    (tmp_path / f"{done[0]}.webp").unlink()
+    assert previews.wanted([], tmp_path)[0].id == done[0]
+    assert len(previews.wanted([], tmp_path, everything=True)) == len(ids)
+    monkeypatch.setattr(previews, "STUDIO", b"other lights")
+    assert len(previews.wanted([], tmp_path)) == len(ids)
+    edited = tmp_path / "presets"
+    (edited / "metals").mkdir(parents=True)
+    (edited / "metals" / "gold.toml").write_text("another", encoding="utf-8")
+    before = previews.digest(shipped()["metals/gold"])
+    monkeypatch.setattr(presets, "FOLDER", edited)
+    assert previews.digest(shipped()["metals/gold"]) != before
 
 
 def pictures(folder, *names):
