@@ -30,13 +30,14 @@ def at(hands, area, x, y):
 
 
 def adds_and_mixes(hands):
-    """A node found by an everyday word, one from the menu, and a Mix Shader of Blender's; linked by dragging."""
+    """A node found by a typed word, and a Mix Shader of Blender's; linked by dragging."""
     area, tree = yield from open_editor(hands)
     yield from hands.move(*at(hands, area, -200, -150))
     yield from hands.key("A", shift=True)
-    yield from hands.type("chrome")
+    yield from hands.type("metal")
     hands.picture("searched")
-    yield from hands.key("RET")
+    for key in ("DOWN_ARROW", "DOWN_ARROW", "RET"):  # below Blender's Metallic BSDF and Measured Metal
+        yield from hands.key(key)
     yield from hands.move(*at(hands, area, -400, -350))  # it follows the mouse
     yield from hands.click()
     metal = tree.nodes.active
@@ -78,14 +79,27 @@ def menu(hands):
     """Add > Shader > V-Groove by keys: it is the last row, and lists a node for each model."""
     area, tree = yield from open_editor(hands)
     yield from hands.move(*at(hands, area, 0, 250))
-    with hands.within(area):
-        bpy.ops.wm.call_menu(name="NODE_MT_category_shader_shader")
-    yield 0.5
-    yield from hands.key("END")
-    yield from hands.key("RIGHT_ARROW")
+    yield from hands.key("A", shift=True)
+    for key in (*["DOWN_ARROW"] * 3, "RIGHT_ARROW", "END", "RIGHT_ARROW"):  # from Search... to Shader, and V-Groove
+        yield from hands.key(key)
     hands.picture("menu")
     before = set(tree.nodes)
     yield from hands.key("RET")
     yield from hands.click()
     (new,) = set(tree.nodes) - before
     hands.notes["label"] = new.label
+
+
+def sidebar(hands):
+    """The picker and Edit Parameters beside the nodes."""
+    area, _ = yield from open_editor(hands)
+    yield from hands.tab(area, "V-Groove")
+    yield from hands.press(area, "vgroove.apply")
+    made = bpy.context.object.active_material
+    assert (made.name, area.spaces.active.edit_tree) == ("Copper", made.node_tree)
+    parameters = "VGROOVE_PT_parameters_nodes"
+    yield from hands.unfold(area, parameters, [parameters])
+    rough = next(one.inputs["Roughness"] for one in made.node_tree.nodes if one.type == "GROUP")
+    yield from hands.enter(area, rough.path_from_id("default_value"), "0.25")
+    assert round(rough.default_value, 6) == 0.25
+    hands.picture("sidebar")

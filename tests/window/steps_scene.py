@@ -3,7 +3,6 @@
 import sys
 import time
 from itertools import pairwise
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -11,12 +10,14 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 EXTENSION = "bl_ext.user_default.vgroove"
 # Of every model; one by each quality beside Standard, one that changes over time.
-TWENTY = """
-metals/gold metals/copper metals_schlick/iron_schlick finished_metals/copper_satin alloys/brass lecture/plastic
-plastics/abs_plastic diffuse/plaster diffuse/clay car_paints/blue car_paints/polaris_silver glasses/glass
-glasses/window gems/diamond liquids/water translucent/marble translucent/skin_1 time_varying/rusting_iron
-metals/silver lecture/aluminium
-""".split()
+TWENTY = [
+    "metals/gold", "metals/copper", "metals_schlick/iron_schlick", "finished_metals/copper_satin",
+    "alloys/brass", "lecture/plastic", "plastics/abs_plastic", "diffuse/plaster",
+    "diffuse/clay", "car_paints/blue", "car_paints/polaris_silver", "glasses/glass",
+    "glasses/window", "gems/diamond", "liquids/water", "translucent/marble",
+    "translucent/skin_1", "time_varying/rusting_iron", "metals/silver", "lecture/aluminium",
+]  # fmt: skip
+DARKEST = 8 / 255  # as displayed; black is 0
 QUALITIES = {"metals/silver": "mirror", "lecture/aluminium": "corrected"}
 
 
@@ -25,14 +26,14 @@ def module(name):
 
 
 def ball(preset, x, y):
-    """A ball with a preset, as the panel applies it; returns the processor's seconds."""
+    """A ball with a preset, as the panel applies it; returns the seconds that this took the processor."""
     bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, location=(x, y, 0.0))
     bpy.ops.object.shade_smooth()
     settings = bpy.context.scene.vgroove
     settings.preset, settings.estimator = preset, QUALITIES.get(preset, "auto")
-    began = time.process_time()
+    began = time.thread_time()
     assert bpy.ops.vgroove.apply() == {"FINISHED"}
-    return time.process_time() - began
+    return time.thread_time() - began
 
 
 def on_screen(hands, area, point):
@@ -44,7 +45,7 @@ def on_screen(hands, area, point):
 
 def starts(hands):
     """What the panel warns of in Blender's own scene."""
-    assert EXTENSION in bpy.context.preferences.addons.keys()
+    assert EXTENSION in bpy.context.preferences.addons
     yield 0.1
     operators = module("addon.ui.operators")
     hands.notes["warnings"] = [one.text for one in operators.current_problems(bpy.context.scene)]
@@ -77,26 +78,15 @@ def render(hands, name):
 
 def reopens(hands):
     """Where the extension is not installed the file renders the same."""
-    assert EXTENSION not in bpy.context.preferences.addons.keys()
+    assert EXTENSION not in bpy.context.preferences.addons
     yield 0.1
     bpy.ops.wm.open_mainfile(filepath=str(hands.folder / "twenty.blend"))
     yield 1.0
     assert not hasattr(bpy.types.Scene, "vgroove")
     render(hands, "after")
-    before, after = (pixels(hands.folder / f"{name}.exr") for name in ("before", "after"))
+    before, after = (hands.pixels(hands.folder / f"{name}.exr") for name in ("before", "after"))
     hands.notes["difference"] = float(np.abs(before - after).max())
     hands.notes["brightest"] = float(before.max())
-
-
-def pixels(path: Path):
-    """(height, width, 3), from the bottom up."""
-    image = bpy.data.images.load(str(path))
-    image.colorspace_settings.is_data = True
-    values = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(values)
-    width, height = image.size
-    bpy.data.images.remove(image)
-    return values.reshape(height, width, -1)[..., :3]
 
 
 def previews(hands):
@@ -119,13 +109,54 @@ def previews(hands):
     shown = []
     while len(shown) < 3 or not all(np.array_equal(*pair) for pair in pairwise(shown[-3:])):
         yield 4.0
-        hands.picture("preview")
-        screen = pixels(hands.folder / "preview.png")
+        screen = hands.look("preview")
         shown.append(np.array([screen[y - 15 : y + 15, x - 15 : x + 15].mean((0, 1)) for x, y in places.values()]))
-        print(np.round(shown[-1][:,0],4).tolist(), flush=True)
         if np.ptp(shown[-1], axis=0).max() < 0.1:
             shown.clear()  # all look alike: EEVEE itself is being compiled
     hands.notes["colors"] = dict(zip(nodes, shown[-1].tolist(), strict=True))
+
+
+def switches(hands):
+    """A value is edited while the viewport goes to Material Preview, to Rendered and back to Solid, by the pie on Z."""
+    cube, settings = bpy.context.object, bpy.context.scene.vgroove
+    settings.preset = "metals/gold"
+    bpy.context.scene.render.engine, bpy.context.scene.cycles.preview_samples = "CYCLES", 4
+    bpy.ops.vgroove.apply()
+    bpy.ops.ed.undo_push(message="Gold")
+    area = hands.area("VIEW_3D")
+    yield from hands.tab(area, "V-Groove")
+    parts = "VGROOVE_PT_advice", "VGROOVE_PT_parameters", "VGROOVE_PT_source"
+    yield from hands.find(area, "vgroove.apply")
+    yield from hands.unfold(area, "VGROOVE_PT_parameters", parts)
+
+    def rough():
+        nodes = cube.active_material.node_tree.nodes
+        return next(one.inputs["Roughness"] for one in nodes if one.type == "GROUP")
+
+    top = on_screen(hands, area, (0.5, -0.5, 1.0))
+    for kind, key, value in (("MATERIAL", "TWO", "0.3"), ("RENDERED", "FOUR", "0.6"), ("SOLID", "THREE", "0.9")):
+        yield from hands.enter(area, rough().path_from_id("default_value"), value)
+        yield from hands.move(*on_screen(hands, area, (0.0, -3.0, 0.0)))
+        yield from hands.key("Z")
+        hands.picture(f"pie_{kind}")
+        yield from hands.key(key)
+        assert (area.spaces.active.shading.type, f"{rough().default_value:.1f}") == (kind, value)
+        yield from until_golden(hands, top)
+        yield from hands.key("Z", ctrl=True)
+        yield from hands.key("Z", ctrl=True, shift=True)
+        assert f"{rough().default_value:.1f}" == value
+
+
+def until_golden(hands, at):
+    """The screen becomes so, once a shader is compiled, and neither black nor magenta is left."""
+    x, y = at
+    for _ in range(20):
+        yield 2.0
+        red, green, blue = hands.look("switched")[y - 10 : y + 10, x - 10 : x + 10].mean((0, 1))
+        if red > green > 1.1 * blue > DARKEST:
+            return
+    message = f"not golden: {red:.2f}, {green:.2f}, {blue:.2f}"
+    raise AssertionError(message)
 
 
 def drags(hands):

@@ -14,3 +14,8 @@ def test_textures_stay_if_the_box_is_ticked(run):
 def test_in_edit_mode_the_selected_face_gets_the_material(run):
     """A face chosen by a click; the others keep theirs."""
     run("steps_panel", "faces")
+
+
+def test_the_material_tab_has_the_picker(run):
+    """Opened by its title, as it is closed at first."""
+    run("steps_panel", "material_tab")

@@ -35,3 +35,8 @@ def test_material_preview_shows_each_model(run):
     red, blue = colors["metal"], colors["car_paint"]
     assert red[0] > red[2]
     assert blue[2] > 2 * blue[0]
+
+
+def test_the_viewport_is_switched_while_a_value_is_edited(run):
+    """Material Preview, Rendered and Solid each show gold; undo and redo work in each."""
+    run("steps_scene", "switches")
