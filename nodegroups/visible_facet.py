@@ -13,15 +13,27 @@ from ._tree import cos, dot, less, log, maximum, normalize, scale, select, sin, 
 from .random_numbers import random_numbers, stream
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ._tree import Tree, Value
 
 
-def visible_facet(tree: Tree, N: Value, wo: Value, m: Value) -> Value:
-    """h by D(h) (n.h), swapped for its dual across the groove where the view rather sees that."""
+def beckmann_tangent(u: Value, m: Value) -> Value:
+    """tan of a facet's angle, drawn by Beckmann's D(h) (n.h)."""
+    return m * sqrt(-log(maximum(1.0 - u, 1e-7)))  # u may round to 1
+
+
+def visible_facet(
+    tree: Tree, N: Value, wo: Value, m: Value, tangent: Callable[[Value, Value], Value] = beckmann_tangent
+) -> Value:
+    """h by D(h) (n.h), swapped for its dual across the groove where the view rather sees that.
+
+    tangent: (u, m) -> tan of the angle between h and N, of another D.
+    """
     u1, u2, u3 = random_numbers(tree, stream("FACET"))
     with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
         T, B = tangents(N)
-        tan = m * sqrt(-log(maximum(1.0 - u1, 1e-7)))  # u1 may round to 1
+        tan = tangent(u1, m)
         phi = 2.0 * pi * u2
         lean = scale(T, tan * cos(phi)) + scale(B, tan * sin(phi))
         h, dual = normalize(N + lean), normalize(N - lean)

@@ -18,7 +18,9 @@ from ...nodegroups import eevee, parameters
 from ..models import label, parameter, symbol
 from ..reference import cycles
 from . import colour_space, colour_update, course, fcurves, material, origin, roles
+from .choice import most_lights
 from .inputs import DIGITS, converted_keys, give, scale_of
+from .lamps import materials_in
 from .material import Choice, lamps_to_bind
 
 if TYPE_CHECKING:
@@ -26,8 +28,10 @@ if TYPE_CHECKING:
 
     from bpy.types import Driver, Material, Node, NodeSocket, Scene, ShaderNodeTree
 
+    from ...nodegroups.lamp import Slot
     from ..library.presets import Preset
     from .course import Play
+    from .lamps import Light
     from .origin import Record
 
 UNCHANGED: Any = object()  # the animation stays as it is
@@ -44,7 +48,7 @@ def rebuild(
     record = _current(made)
     estimator = estimator or record.estimator
     limit = material.origin_of(made).bound if bound is None else bound
-    lamps = lamps_to_bind(scene, estimator, record.preset.model)
+    lamps = _lights(made, scene, estimator, record.preset.model)
     choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, record.play)
     lost = _exchange(made, record.preset, choice)
     changed = material.record_of(record.preset, choice)
@@ -69,7 +73,7 @@ def as_preset(made: Material, scene: Scene, change: Callable[[Preset], Preset]) 
     preset = change(before.preset)
     if preset == before.preset:
         return []
-    lamps = lamps_to_bind(scene, record.estimator, preset.model)
+    lamps = _lights(made, scene, record.estimator, preset.model)
     choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound)
     lost = _exchange(made, preset, choice)
     origin.write(made, replace(material.record_of(preset, choice), state=_as_new(preset, choice)))
@@ -119,6 +123,16 @@ def is_of_other_cycles(made: Material) -> bool:
         return False
     preset = kept.preset
     return any(of.spec.of_cycles(kept.estimator, kept.backend) for of in (preset, *preset.parts().values()))
+
+
+def _lights(made: Material, scene: Scene, estimator: str, model: str) -> tuple[Light, ...]:
+    """Those to bind of ``scene``, and beside them, where they fit, those of other scenes that show the material."""
+    others = (one for one in bpy.data.scenes if one != scene and made in materials_in(one))
+    found: dict[Slot, Light] = {}
+    for one in (scene, *others):
+        for light in lamps_to_bind(one, estimator, model):
+            found.setdefault(light.slot, light)
+    return tuple(found.values())[: most_lights(estimator, model)]
 
 
 def _current(made: Material) -> Record:

@@ -56,7 +56,7 @@ def test_the_lecture_table_is_kept_to_the_digit(name, f0):
         ),
         ("f0 = [0.9, 0.6, 0.5]", "", r"x.toml: \[fresnel\] must hold .*got nothing"),
         ("f0 = [0.9, 0.6, 0.5]", "eta = 0.01", "x.toml: eta must be between 0.1 and 10, got 0.01"),
-        ("cook_torrance", "phong", 'x.toml: unknown model "phong"; use one of cook_torrance'),
+        ("cook_torrance", "gouraud", 'x.toml: unknown model "gouraud"; use one of cook_torrance'),
         ('data = "somewhere"', 'data = " "', r'x.toml: \[source\] has no "data"'),
         ('[source]\ndata = "somewhere"', "", 'x.toml: "source" is missing'),
         ('"A"', '"A', "x.toml: not valid TOML"),

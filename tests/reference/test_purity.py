@@ -38,13 +38,15 @@ def test_pure_modules_import_without_blender(name):
 
 
 def test_reference_imports_numpy_and_nothing_else():
-    """Beyond the standard library, importing the reference loads NumPy and vgroove, and of vgroove itself alone.
+    """Beyond the standard library, importing all of the reference loads NumPy and vgroove, and of vgroove itself alone.
 
     Nothing is blocked here: an import of SciPy that is only tried would show as well.
     """
     program = (
         "before = set(sys.modules)\n"
         "import vgroove.addon.reference\n"
+        f"for name in {SUBMODULES}:\n"
+        "    __import__(f'vgroove.addon.reference.{name}')\n"
         "new = sorted(name for name in set(sys.modules) - before if sys.modules[name] is not None)\n"
         "tops = {name.split('.')[0] for name in new} - set(sys.stdlib_module_names)\n"
         "print(*sorted(tops))\n"

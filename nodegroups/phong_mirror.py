@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Estimator ``mirror``: a direction of the lobe is drawn for each sample, and a mirror sends the ray there.
+
+Lambert is Cycles' own. Unbiased: the weight is what is left of the lobe once the density is divided out, as ``_draw``
+of the reference has it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from . import phong
+from . import phong_direct as direct
+from ._tree import output
+from .lamp_beams import beam_interfaces
+from .shading_normal import specular_normal, typical_smoothing
+
+if TYPE_CHECKING:
+    from ._tree import Tree
+
+NAME = "VGroove Phong Mirror"
+REVISION = 1
+
+
+def build(tree: Tree, of: phong.Lobe, lamps: int = 0) -> None:
+    """With ``lamps``: those of zero size, which no ray can hit, are added by ``direct``; no light counts twice."""
+    inputs = phong.interface(tree, of)
+    beams = beam_interfaces(tree, lamps)
+    color = inputs.albedo * typical_smoothing(tree, inputs.normal)  # Cycles' own is off, as facets lean
+    diffuse = tree.node("ShaderNodeBsdfDiffuse", Color=color, Roughness=0.0, Normal=inputs.normal)
+    h, weight = of.draw(tree, specular_normal(tree, inputs.normal), tree.geometry("Incoming"), inputs.n)
+    color = inputs.specular * weight
+    mirror = tree.node("ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Color=color, Roughness=0.0, Normal=h)
+    shaders = [output(diffuse, "BSDF"), output(mirror, "BSDF")]
+    shaders += [direct.emission(tree, of, inputs, beams, diffuse=False)] if beams else []
+    tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
+
+
+def build_osl(tree: Tree, of: phong.Lobe, lamps: int = 0) -> None:
+    inputs = phong.interface(tree, of)
+    beams = beam_interfaces(tree, lamps)
+    shaders = [phong.script(tree, "mirror", of, inputs).outputs[0]]
+    shaders += [direct.emission_osl(tree, of, inputs, beams, diffused=0)] if beams else []
+    tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
