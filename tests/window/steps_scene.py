@@ -52,13 +52,16 @@ def starts(hands):
 
 
 def saves(hands):
-    """Twenty presets on balls; the file and its picture."""
-    yield 0.1
+    """Twenty presets on balls, three times, of which the fastest counts; the file and its picture."""
+    rounds = []
+    for _ in range(3):
+        bpy.ops.wm.read_homefile()
+        yield 1.0
+        bpy.data.objects.remove(bpy.data.objects["Cube"])
+        with hands.within(hands.area("VIEW_3D")):
+            rounds.append([ball(preset, 2.5 * (k % 5 - 2), 2.5 * (k // 5 - 1.5)) for k, preset in enumerate(TWENTY)])
+    hands.notes["seconds"] = dict(zip(TWENTY, np.min(rounds, axis=0).tolist(), strict=True))
     scene = bpy.context.scene
-    bpy.data.objects.remove(bpy.data.objects["Cube"])
-    with hands.within(hands.area("VIEW_3D")):
-        seconds = [ball(preset, 2.5 * (k % 5 - 2), 2.5 * (k // 5 - 1.5)) for k, preset in enumerate(TWENTY)]
-    hands.notes["first"], hands.notes["slowest"] = seconds[0], max(seconds[1:])
     camera = scene.camera
     camera.location, camera.rotation_euler = (0.0, 0.0, 20.0), (0.0, 0.0, 0.0)
     camera.data.type, camera.data.ortho_scale = "ORTHO", 13.0
