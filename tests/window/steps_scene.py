@@ -121,8 +121,7 @@ def previews(hands):
 
 def switches(hands):
     """A value is edited while the viewport goes to Material Preview, to Rendered and back to Solid, by the pie on Z."""
-    cube, settings = bpy.context.object, bpy.context.scene.vgroove
-    settings.preset = "metals/gold"
+    bpy.context.scene.vgroove.preset = "metals/gold"
     bpy.context.scene.render.engine, bpy.context.scene.cycles.preview_samples = "CYCLES", 4
     bpy.ops.vgroove.apply()
     bpy.ops.ed.undo_push(message="Gold")
@@ -133,10 +132,10 @@ def switches(hands):
     yield from hands.unfold(area, "VGROOVE_PT_parameters", parts)
 
     def rough():
-        nodes = cube.active_material.node_tree.nodes
+        nodes = bpy.context.object.active_material.node_tree.nodes  # undo makes others of them
         return next(one.inputs["Roughness"] for one in nodes if one.type == "GROUP")
 
-    top = on_screen(hands, area, (0.5, -0.5, 1.0))
+    side = on_screen(hands, area, (0.0, -1.0, 0.0))
     for kind, key, value in (("MATERIAL", "TWO", "0.3"), ("RENDERED", "FOUR", "0.6"), ("SOLID", "THREE", "0.9")):
         yield from hands.enter(area, rough().path_from_id("default_value"), value)
         yield from hands.move(*on_screen(hands, area, (0.0, -3.0, 0.0)))
@@ -144,7 +143,7 @@ def switches(hands):
         hands.picture(f"pie_{kind}")
         yield from hands.key(key)
         assert (area.spaces.active.shading.type, f"{rough().default_value:.1f}") == (kind, value)
-        yield from until_golden(hands, top)
+        yield from until_golden(hands, side)
         yield from hands.key("Z", ctrl=True)
         yield from hands.key("Z", ctrl=True, shift=True)
         assert f"{rough().default_value:.1f}" == value

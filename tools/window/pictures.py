@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pictures of README.md and docs/ that show Blender's window: docs/images/*.webp.
 
-python tools/window/pictures.py
+python tools/window/pictures.py              all
+python tools/window/pictures.py panel nodes  those scenarios of steps_pictures.py alone
 
 Needs previews/ (tools/previews.py), and what machine.py needs. Look at each picture before it is committed.
 """
@@ -33,11 +34,12 @@ def main() -> None:
         sys.exit(f"vgroove: {error}")
     with tempfile.TemporaryDirectory() as folder:
         session.install(package.package(Path(folder)))
-    if not (session.extension / "assets").exists():
+    chosen = sys.argv[1:] or list(SCENARIOS)
+    if "assets" in chosen and not (session.extension / "assets").exists():
         subprocess.run([sys.executable, ROOT / "tools" / "assets.py", session.extension / "assets"], check=True)
-    for scenario, names in SCENARIOS.items():
+    for scenario in chosen:
         session.run(STEPS, scenario)
-        for name in names:
+        for name in SCENARIOS[scenario]:
             made = session.folder / f"{name}.webp"
             if made.stat().st_size > LARGEST:
                 sys.exit(f"vgroove: {made} has more than {LARGEST} bytes; show less, or lower its quality")

@@ -40,7 +40,7 @@ def panel(hands: Any) -> Steps:
 
 
 def nodes(hands: Any) -> Steps:
-    """The node of a metal, mixed with Principled; the menu that adds it."""
+    """The node of a metal, mixed with Principled."""
     area = hands.area("VIEW_3D")
     area.ui_type = "ShaderNodeTree"
     area.spaces.active.show_region_ui = False
@@ -49,18 +49,16 @@ def nodes(hands: Any) -> Steps:
     principled, output = tree.nodes["Principled BSDF"], tree.nodes["Material Output"]
     metal = sys.modules["bl_ext.user_default.vgroove.addon.blender.shader_nodes"].add(tree, "metal")
     mix = tree.nodes.new("ShaderNodeMixShader")
-    for node, place in ((principled, (-320, 420)), (metal, (-320, 20)), (mix, (0, 300)), (output, (220, 320))):
+    for node, place in ((principled, (-320, 420)), (metal, (-320, 20)), (mix, (20, 260)), (output, (260, 260))):
         node.location, node.select = place, False
     tree.links.new(principled.outputs[0], mix.inputs[1])
     tree.links.new(metal.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], output.inputs[0])
+    region = hands.region(area, "WINDOW")
+    yield from hands.move(region.x + 20, region.y + 20)
+    yield 1.0  # nodes take their sizes
     with hands.within(area):
         bpy.ops.node.view_all()
-    region = hands.region(area, "WINDOW")
-    yield from hands.move(region.x + region.width * 0.55, region.y + region.height * 0.55)
-    yield from hands.key("A", shift=True)
-    for key in (*["DOWN_ARROW"] * 3, "RIGHT_ARROW", "END", "RIGHT_ARROW"):
-        yield from hands.key(key)
     yield 1.0
     hands.picture("nodes", (region.x, region.y, region.width, region.height))
 
