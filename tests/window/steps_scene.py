@@ -86,6 +86,8 @@ def reopens(hands):
     bpy.ops.wm.open_mainfile(filepath=str(hands.folder / "twenty.blend"))
     yield 1.0
     assert not hasattr(bpy.types.Scene, "vgroove")
+    outside = [*bpy.data.libraries, *(one for one in bpy.data.images if one.source == "FILE" and not one.packed_file)]
+    hands.notes["missing"] = [one.name for one in outside]
     render(hands, "after")
     before, after = (hands.pixels(hands.folder / f"{name}.exr") for name in ("before", "after"))
     hands.notes["difference"] = float(np.abs(before - after).max())
@@ -136,7 +138,11 @@ def switches(hands):
         return next(one.inputs["Roughness"] for one in nodes if one.type == "GROUP")
 
     side = on_screen(hands, area, (0.0, -1.0, 0.0))
-    for kind, key, value in (("MATERIAL", "TWO", "0.3"), ("RENDERED", "FOUR", "0.6"), ("SOLID", "THREE", "0.9")):
+    for kind, key, value in (  # keys as they lie on a keypad
+        ("MATERIAL", "TWO", "0.3"),
+        ("RENDERED", "EIGHT", "0.6"),
+        ("SOLID", "SIX", "0.9"),
+    ):
         yield from hands.enter(area, rough().path_from_id("default_value"), value)
         yield from hands.move(*on_screen(hands, area, (0.0, -3.0, 0.0)))
         yield from hands.key("Z")

@@ -16,6 +16,7 @@ def test_twenty_presets_are_quick_and_small_and_render_the_same_without_the_exte
     assert {name: seconds for name, seconds in saved["seconds"].items() if seconds > QUICK} == {}
     assert saved["bytes"] < SMALL
     found = run("steps_scene", "reopens", "without")
+    assert found["missing"] == []
     assert found["brightest"] > 0.1
     # The same file, Blender, seed and samples on the same machine: the same instructions on the same numbers.
     assert found["difference"] == 0.0

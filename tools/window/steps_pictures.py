@@ -60,7 +60,7 @@ def nodes(hands: Any) -> Steps:
     with hands.within(area):
         bpy.ops.node.view_all()
     yield 1.0
-    hands.picture("nodes", (region.x, region.y, region.width, region.height))
+    hands.picture("nodes", (region.x + 240, region.y + 110, 830, 630))
 
 
 def assets(hands: Any) -> Steps:
