@@ -52,9 +52,17 @@ _families: list[Item] = []  # Blender keeps no reference to the texts of a dynam
 _shown: list[Item] = []
 
 
+EXACT = 0xFFFFFF  # Blender's buttons hold the number of a choice as float32
+
+
 def number(name: str) -> int:
-    """What Blender stores in place of a name: the same in every file, whatever other presets there are."""
-    return zlib.crc32(name.encode()) & 0x7FFFFFFF
+    """What Blender stores in place of a family's name: the same in every file, whatever other families there are."""
+    return zlib.crc32(name.encode()) & EXACT
+
+
+def _places() -> dict[str, int]:
+    """The number of each preset; none is stored, as ``shown`` reads and writes the preset's id."""
+    return {identity: place for place, identity in enumerate(presets.all_presets())}
 
 
 def _tip(preset: presets.Preset) -> str:
@@ -120,8 +128,8 @@ def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
 def shown_items(settings: VGrooveSettings, _context: object) -> list[Item]:
     """The presets found, each with its picture; the chosen one is among them, or none was found."""
     rows, chosen = matching(settings), chosen_preset(settings)
-    rows = rows if chosen in rows else [chosen, *rows]
-    _shown[:] = [(p.id, p.name, _tip(p), thumbnails.icon(p), number(p.id)) for p in rows]
+    rows, places = rows if chosen in rows else [chosen, *rows], _places()
+    _shown[:] = [(p.id, p.name, _tip(p), thumbnails.icon(p), places[p.id]) for p in rows]
     return _shown
 
 
@@ -142,11 +150,11 @@ def _list_chosen(settings: VGrooveSettings, _context: object) -> None:
 
 
 def _get_shown(settings: VGrooveSettings) -> int:
-    return number(chosen_preset(settings).id)
+    return _places()[chosen_preset(settings).id]
 
 
 def _set_shown(settings: VGrooveSettings, value: int) -> None:
-    settings.preset = next(identity for identity in presets.all_presets() if number(identity) == value)
+    settings.preset = list(presets.all_presets())[value]
 
 
 def _get_quality(settings: VGrooveSettings) -> int:

@@ -3,6 +3,7 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from vgroove import headless
@@ -106,10 +107,8 @@ def test_a_search_without_hits_applies_nothing(extension):
 
 def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
     """Through a saved file, whatever presets come or go; one that is not there gives the first."""
-    from vgroove.addon.library.presets import all_presets
     from vgroove.addon.ui import properties
 
-    assert len({properties.number(identity) for identity in all_presets()}) == len(all_presets())
     extension.context.scene.vgroove.preset = "gems/diamond"
     with headless.quiet():
         extension.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
@@ -121,11 +120,24 @@ def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
     assert settings.shown == properties.chosen_preset(settings).id == "metals/copper"
 
 
+def test_a_click_on_a_picture_chooses_its_preset(extension):
+    """A button of the grid writes the number of its choice, which it holds as float32."""
+    from vgroove.addon.ui import properties
+
+    settings = extension.context.scene.vgroove
+    settings.family = properties.ALL
+    for identity, *_, number in list(properties.shown_items(settings, None)):
+        properties._set_shown(settings, int(np.float32(number)))
+        assert settings.preset == identity
+    assert all(int(np.float32(number)) == number for *_, number in properties.family_items(None, None))
+
+
 def test_pictures_are_read_when_they_are_drawn(extension, tmp_path, monkeypatch):
     """Each once, a little later; one that is not there leaves no icon. (Without a window no icon has a number.)"""
     from vgroove.addon.library.presets import find
-    from vgroove.addon.ui import thumbnails
+    from vgroove.addon.ui import panels, thumbnails
 
+    assert {kind.bl_space_type for kind in panels._Picker.__subclasses__()} == set(thumbnails.SHOWN_IN)
     monkeypatch.setattr(thumbnails, "FOLDER", tmp_path)
     (pictures,) = thumbnails._pictures
     assert thumbnails.icon(find("gems/diamond")) == 0
