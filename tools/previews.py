@@ -28,13 +28,14 @@ from vgroove.addon.blender import shapes, studio  # noqa: E402 - after prepare()
 from vgroove.addon.choose import picture  # noqa: E402
 from vgroove.addon.library import presets  # noqa: E402
 from vgroove.addon.library.files import write_text  # noqa: E402
+from vgroove.lab.bench.digest import source  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 FOLDER = Path(__file__).parent.parent / "previews"
 DIGESTS = "digests.json"
-STUDIO = b"".join(Path(module.__file__ or "").read_bytes() for module in (shapes, studio, picture))
+STUDIO = "".join(source(Path(module.__file__ or "")) for module in (shapes, studio, picture)).encode()
 
 
 def digest(preset: presets.Preset) -> str:
