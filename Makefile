@@ -7,7 +7,7 @@ RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
 PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
-.PHONY: demo test test-once test-4.5 test-5.3 test-all lint check report across documents previews assets package clean
+.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window lint check report across documents previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
@@ -31,6 +31,9 @@ test-all: | $(UV)  ## every row of every grid, on all three
 	$(RUN_45) $(PYTEST) --cover 0
 	$(RUN_53) $(PYTEST) --cover 0
 
+test-window: | $(UV)  ## clicks in a real Blender's window: Debian's, in .cache/window; as root, on Debian
+	$(RUN) pytest tests/window
+
 lint: | $(UV)  ## format, lint, types
 	$(RUN) ruff format --check .
 	$(RUN) ruff check .
@@ -39,13 +42,13 @@ lint: | $(UV)  ## format, lint, types
 check: | $(UV)  ## every model x estimator x backend, Cycles against NumPy, on each Blender
 	@failed=0; for run in "$(RUN)" "$(RUN_53)" "$(RUN_45)"; do env $$run vgroove check || failed=$$?; done; exit $$failed
 
-report: | $(UV)  ## error against run time, stability, what was left out: numbers, plots, a page; all Blenders in one
-	@failed=0; for run in "$(RUN)" "$(RUN_53)"; do \
-	env $$run vgroove report -o build/report || failed=$$?; done; \
-	if $(UV) python find --quiet 3.11 >/dev/null; then $(RUN_45) vgroove report -o build/report || failed=$$?; \
+report: | $(UV)  ## error against run time, stability, what was left out: all of it on 5.2, the ends of it on the others; one page
+	@failed=0; $(RUN) vgroove report -o build/report || failed=$$?; \
+	$(RUN_53) vgroove report --quick -o build/report || failed=$$?; \
+	if $(UV) python find --quiet 3.11 >/dev/null; then $(RUN_45) vgroove report --quick -o build/report || failed=$$?; \
 	else echo "no Python 3.11: Blender 4.5 is left out"; fi; exit $$failed
 
-across: | $(UV)  ## twenty presets by each Blender, and how far apart they are
+across: | $(UV)  ## presets and textured scenes by each Blender, and how far apart they are
 	$(RUN) python tools/across_blenders.py render build/across
 	$(RUN_53) python tools/across_blenders.py render build/across
 	$(RUN_45) python tools/across_blenders.py render build/across

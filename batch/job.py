@@ -80,8 +80,7 @@ class Task:
     def content(self) -> dict[str, Any]:
         """What decides the pixels, as JSON has it; names, sources and places of files do not."""
         materials = [
-            [name, of.model, of.kind, of.coupled, sorted(of.parameters.items())]
-            for name, of in sorted(self.assignments)
+            [name, of.model, of.kind, of.flags, sorted(of.parameters.items())] for name, of in sorted(self.assignments)
         ]
         return {
             "scene": self.digest or PREVIEW, "materials": materials, "backend": self.backend,

@@ -24,7 +24,7 @@ def add_input(tree: Tree, of: Parameter, *, native: bool = False, prefix: str = 
     """A parameter, of the artist's input for it, held to its range; ``native``: to what Cycles' closures take."""
     name, tip = prefix + of.label, tip or of.tip
     if isinstance(of.default, float):
-        default, low, high = map(of.scale.to_input, (of.default, of.low, _high(of, native=native)))
+        default, (low, high) = of.scale.to_input(of.default), _ends(of, native=native)
         return of.scale.of_input(
             tree.input_float(name, default, low=low, high=high, subtype=of.subtype, tip=tip, held=True)
         )
@@ -36,7 +36,7 @@ def add_input(tree: Tree, of: Parameter, *, native: bool = False, prefix: str = 
 def existing_input(tree: Tree, of: Parameter, names: Mapping[str, str]) -> Value:
     """A parameter, of the input made before for it under its label, or what ``names`` calls that; held to its range."""
     value = tree.input_named(names.get(of.label, of.label))
-    return value if of.is_rgb else of.scale.of_input(hold(value, *map(of.scale.to_input, (of.low, of.high))))
+    return value if of.is_rgb else of.scale.of_input(hold(value, *_ends(of, native=False)))
 
 
 def to_input(name: str) -> bpy.types.ShaderNodeTree:
@@ -58,6 +58,11 @@ def renamed(model: str, part: str) -> dict[str, str]:
     terms = [one for kind in fresnel.KINDS.values() for one in kind.parameters] if spec.has_fresnel else []
     own = {one.name: one.label for one in (*spec.parameters, *terms)}
     return {own[name]: label for name, label in MODELS[model].labels.items() if name in own}
+
+
+def _ends(of: Parameter, *, native: bool) -> list[float]:
+    """The range of the input: where a scale falls, the highest parameter is the lowest input."""
+    return sorted(map(of.scale.to_input, (of.low, _high(of, native=native))))
 
 
 def _high(of: Parameter, *, native: bool) -> float:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..addon.models.sum import AT_MOST_ONE, MODEL, D, S
+from ..addon.models.sum import AT_MOST_ONE, COUPLED, MODEL, D, S
 from . import cook_torrance, cook_torrance_albedo
 from .parameters import add_input, renamed
 from .shading_normal import specular_normal, typical_smoothing
@@ -62,5 +62,6 @@ def variant(
     form: Form, estimator: str, parts: dict[str, bpy.types.ShaderNodeTree]
 ) -> tuple[str, dict[str, Any]]:  # fmt: skip
     """What the name of a preset's group says of its form, and what its builder has to know."""
-    label = f"{MODEL.kinds[form.kind]} {estimator.title()}" + " Coupled" * form.coupled
-    return label, parts | {"averaged": estimator == "fit", "coupled": form.kind if form.coupled else None}
+    coupled = COUPLED in form.flags
+    label = f"{MODEL.kinds[form.kind]} {estimator.title()}" + " Coupled" * coupled
+    return label, parts | {"averaged": estimator == "fit", "coupled": form.kind if coupled else None}

@@ -55,6 +55,8 @@ cycles.set_version(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
 LEAN_STACK = since(5, 0)
 # Shader nodes can trace a ray (5.1): the Raycast node.
 RAYCAST = hasattr(bpy.types, "ShaderNodeRaycast")
+# EEVEE evaluates a shader once per light (5.3): the Light Accumulation node.
+LIGHT_NODES = hasattr(bpy.types, "ShaderNodeLightAccumulation")
 # The base class of what USD exports call; None where a Blender was built without USD.
 USD_HOOK: Any = getattr(bpy.types, "USDHook", None)
 
@@ -65,6 +67,9 @@ def osl_header() -> str:
 
 
 # Blender
+
+# What scenes call EEVEE.
+EEVEE = "BLENDER_EEVEE" if since(5, 0) else "BLENDER_EEVEE_NEXT"
 
 
 def nodes_of(owner: Material | World | Light) -> NodeTree:

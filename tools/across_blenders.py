@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Twenty presets as each Blender renders them, and how far apart: the table of docs/testing.md.
+"""Presets and textured scenes as each Blender renders them, and how far apart: the tables of docs/testing.md.
 
 python tools/across_blenders.py render build/across      once by each Blender; `make across` does all three
 python tools/across_blenders.py compare build/across     prints the table
 
-A ball under an even white sky and a small sun by Automatic, two seeds. Told is the largest difference of the ball's
-mean in one channel, and of blocks of 4 x 4 pixels, in per cent of the picture's brightest block; noise is what two
-seeds of one Blender differ by.
+A ball under an even white sky and a small sun by Automatic, or an everyday scene of the report with a texture; two
+seeds. The table has the largest difference of the mean in one channel, and of blocks of 4 x 4 pixels in per cent of the
+picture's brightest block; noise is what two seeds of one Blender differ by.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from vgroove.addon.blender import gonio, material  # noqa: E402
 from vgroove.addon.choose import automatic  # noqa: E402
 from vgroove.addon.library import presets  # noqa: E402
 from vgroove.headless import scene  # noqa: E402
+from vgroove.lab.bench import everyday  # noqa: E402
 from vgroove.nodegroups import versions  # noqa: E402
 
 PRESETS = (
@@ -37,16 +38,24 @@ PRESETS = (
     "glasses/bk7_crown_glass", "glasses/frosted_glass", "glasses/window", "gems/diamond", "liquids/water",
     "translucent/marble", "translucent/skin_1",
 )  # fmt: skip
+TEXTURED = (
+    "textured_colour", "textured_roughness", "mild_bump", "strong_bump", "mild_normal_map", "strong_normal_map",
+    "displacement",
+)  # fmt: skip
 SIZE, SAMPLES, BLOCK = 64, 256, 4
 
 
 def render(folder: Path) -> None:
-    """Every preset by the Blender that runs, two seeds each."""
+    """Everything by the Blender that runs, two seeds each."""
     found = {}
     for name in PRESETS:
         preset = presets.find(name)
         with headless.quiet():
             found[name] = np.stack([picture(preset, seed) for seed in (0, 1)])
+        print(name, flush=True)
+    for name in TEXTURED:
+        with headless.quiet():
+            found[name] = everyday.look(name, everyday.SCENES[name].subjects[0], SIZE, SAMPLES).ours
         print(name, flush=True)
     folder.mkdir(parents=True, exist_ok=True)
     np.savez(folder / ("{}.{}.npz".format(*versions.version())), **found)
@@ -77,24 +86,25 @@ def blocks(image: np.ndarray) -> np.ndarray:
 
 
 def compare(folder: Path) -> None:
-    """A Markdown table: each preset, and how far neighbouring versions are apart."""
+    """Markdown tables, of presets and of textured scenes: how far neighbouring versions are apart."""
     files = sorted(folder.glob("*.npz"), key=lambda path: tuple(map(int, path.stem.split("."))))
     runs = {path.stem: np.load(path) for path in files}
     pairs = list(pairwise(runs))
-    print("| preset | " + " | ".join(f"{a} to {b}: mean | blocks" for a, b in pairs) + " | noise |")
-    print("| --- |" + " --- | --- |" * len(pairs) + " --- |")
-    for name in PRESETS:
-        cells = []
-        for a, b in pairs:
-            before, after = (blocks(runs[one][name].mean(axis=0)) for one in (a, b))
-            scale = before.max()
-            cells += [
-                np.abs(after.mean(axis=(0, 1)) / before.mean(axis=(0, 1)) - 1.0).max(),
-                np.abs(after - before).max() / scale,
-            ]
-        first, second = map(blocks, runs[files[-1].stem][name])
-        cells.append(np.abs(first - second).max() / first.max())
-        print(f"| {name} | " + " | ".join(f"{100 * cell:.2f}" for cell in cells) + " |")
+    for kind, names in (("preset", PRESETS), ("textured scene", TEXTURED)):
+        print(f"\n| {kind} | " + " | ".join(f"{a} to {b}: mean | blocks" for a, b in pairs) + " | noise |")
+        print("| --- |" + " --- | --- |" * len(pairs) + " --- |")
+        for name in names:
+            cells = [cell for a, b in pairs for cell in apart(runs[a][name], runs[b][name])]
+            first, second = map(blocks, runs[files[-1].stem][name])
+            cells.append(np.abs(first - second).max() / first.max())
+            print(f"| {name} | " + " | ".join(f"{100 * cell:.2f}" for cell in cells) + " |")
+
+
+def apart(before: np.ndarray, after: np.ndarray) -> tuple[float, float]:
+    """The largest difference of a channel's mean, and of a block over the brightest; of pictures by seed."""
+    before, after = (blocks(pictures.mean(axis=0)) for pictures in (before, after))
+    means = np.abs(after.mean(axis=(0, 1)) / before.mean(axis=(0, 1)) - 1.0).max()
+    return means, np.abs(after - before).max() / before.max()
 
 
 if __name__ == "__main__":

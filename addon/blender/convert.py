@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from . import colour_space, material, origin, principled, roles, slots
+from . import beside, colour_space, material, origin, principled, roles, slots
 from .material import MaterialError
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ KEYS = (roles.KEY, colour_space.KEY, origin.STATE_1, origin.TIME_1)
 NO_NODE = "its node group was deleted; press Reset to Preset, which makes it again"
 
 
+REPLACED = (roles.MODEL, roles.LIGHT, roles.TRAJECTORY, roles.EEVEE)
 SIZES = (16, 8192)  # pixels along a side
 
 
@@ -63,14 +64,15 @@ def _exchange(new: Material, inputs: dict[str, principled.Input]) -> Node:
     assert model is not None  # noqa: S101 - convert saw to it
     place = model.location.copy()
     node, *others = principled.add_node(tree, inputs, inputs)
-    targets = [link.to_socket for socket in model.outputs for link in socket.links]
+    shown, joined = beside.chain(new), beside.joined(new)
+    targets = [link.to_socket for one in shown for socket in one.outputs for link in socket.links]
     for target in targets:
         tree.links.new(node.outputs[0], target)
     if output is not None:
         output.target = "ALL"
-    for role in (roles.MODEL, roles.LIGHT, roles.TRAJECTORY, roles.EEVEE):
-        for old in roles.nodes(new, role):
-            tree.nodes.remove(old)
+    olds = [one for role in REPLACED for one in roles.nodes(new, role)]
+    for old in (*olds, *shown[1:], *joined):
+        tree.nodes.remove(old)
     node.location = place
     for index, one in enumerate(others):
         one.location = (place.x - 180, place.y - 180 * index)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from bpy.types import Material, Node, NodeSocket
 
 IOR, SPECULAR, VOLUME = "KHR_materials_ior", "KHR_materials_specular", "KHR_materials_volume"
+EMISSIVE = "KHR_materials_emissive_strength"
 WAS_ACTIVE = "was_active"  # custom property: the outputs that were active before
 
 
@@ -33,13 +34,17 @@ class Hooks:
             put_in(made)
 
     def gather_material_hook(self, written: Any, made: Material, _settings: dict[str, Any]) -> None:
-        """What the exporter leaves out: an IOR without transmission, and what a body absorbs."""
+        """What the exporter leaves out: an IOR without transmission, what a body absorbs; not a computed emission."""
         from io_scene_gltf2.io.com.gltf2_io_extensions import Extension
 
         made = made.original
         if not is_ours(made) or not roles.nodes(made, roles.EXPORT):
             return
         inputs, absorption = principled.describe(made), principled.absorption(made)
+        glow = inputs.get("Emission Color")
+        if glow is not None and glow.source is not None and glow.image is None:  # the exporter makes it white
+            written.emissive_factor = None
+            written.extensions.pop(EMISSIVE, None)
         if "IOR" in inputs and "Transmission Weight" not in inputs:
             known = written.extensions.get(SPECULAR)
             if known is None or not known.extension:  # the exporter takes an IOR out again that stands alone

@@ -35,7 +35,7 @@ WORDS = {
     "Specular": r"spec|specular",
     "Mask": r"mask|id",
 }
-LEFT_OUT = ("Metallic", "Ambient Occlusion", "Specular", "Mask")  # no model of ours has an input for them
+LEFT_OUT = ("Ambient Occlusion", "Specular", "Mask")  # no model of ours has an input for them
 IN_COLOUR = ("Base Color", "Emission Color")  # the rest are data
 PICTURES = (".png", ".jpg", ".jpeg", ".exr", ".tif", ".tiff", ".tga", ".webp", ".bmp", ".hdr")
 UDIM = r"[._]1\d{3}$"  # the number of a tile ends the name
@@ -115,17 +115,19 @@ def load(tree: ShaderNodeTree, maps: dict[str, Path]) -> Textures:
     nodes = {kind: _image(tree, image, kind, place[1]) for kind, image in pictures.items()}
     colors = {kind: node.outputs["Color"] for kind, node in nodes.items()}
     found = Textures(lost=[f"{kind} ({maps[kind].name})" for kind in LEFT_OUT if kind in maps])
-    if "Base Color" in colors:
-        found.inputs["Base Color"] = colors["Base Color"]
-    for name, make in (("Roughness", _roughness), ("Normal", _normal)):
-        if (source := make(tree, colors)) is not None:
-            found.inputs[name] = source
+    if "Packed" in colors:
+        found.lost.append(f"occlusion and metalness in {maps['Packed'].name}")
+    inputs = {
+        "Base Color": colors.get("Base Color"),
+        "Roughness": _roughness(tree, colors),
+        "Normal": _normal(tree, colors),
+    }
+    found.inputs = {name: one for name, one in inputs.items() if one is not None}
     if "Displacement" in colors:
         found.displacement = _through(
             tree, "ShaderNodeDisplacement", "Height", colors["Displacement"], Scale=HEIGHT, Midlevel=0.5
         )
-    if "Alpha" in colors:
-        found.alpha = colors["Alpha"]
+    found.alpha, found.metallic = colors.get("Alpha", 1.0), colors.get("Metallic")
     if "Emission Color" in colors:
         found.emission = colors["Emission Color"], 1.0
     _arrange([*place, *nodes.values()])

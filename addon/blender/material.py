@@ -154,9 +154,10 @@ def bind_lights(material: Material, node: Node, choice: Choice) -> None:
 
 
 def set_up(material: Material, preset: Preset, choice: Choice) -> None:
-    """The material's own settings that the estimator needs."""
+    """The material's own settings that the estimator needs, and EEVEE to look through what bends light."""
     material.cycles.use_bump_map_correction = choice.estimator in UPRIGHT | preset.spec.upright
     material.cycles.emission_sampling = "NONE" if choice.lamps else "AUTO"
+    material.use_raytrace_refraction = preset.refracts
 
 
 def show_in_eevee(tree: ShaderNodeTree, node: Node, output: Node) -> None:

@@ -22,7 +22,8 @@ from .roles import KEY
 if TYPE_CHECKING:
     from bpy.types import Material
 
-FORMAT = 2
+FORMAT = 3
+FORMAT_2 = 2
 STATE_1, TIME_1 = "vgroove_state", "vgroove_time"  # custom properties of format 1, beside KEY
 UNKNOWN_SOURCE = {"data": "unknown"}
 
@@ -51,7 +52,7 @@ class Record:
     def builds(self) -> str:
         """The same text for records that build the same material."""
         of = self.preset
-        preset = [of.id, of.name, of.model, of.kind, of.coupled, of.parameters]
+        preset = [of.id, of.name, of.model, of.kind, of.flags, of.parameters]
         course = [asdict(self.play), of.time and asdict(of.time)] if self.play else None
         bound = self.bound if self.estimator == "hybrid" else None
         return json.dumps([preset, self.backend, self.estimator, bound, self.shadows, self.lights, course])
@@ -76,7 +77,8 @@ def _read(text: str, state: str, course: str, label: str) -> Record | None:
         kept = migrate(json.loads(text), state, json.loads(course or "null"), label)
         preset = dict(kept["preset"])
         preset |= {"parameters": _values(preset["parameters"]), "verified": _values(preset["verified"])}
-        preset |= {"tags": tuple(preset["tags"]), "m_range": preset["m_range"] and tuple(preset["m_range"])}
+        preset |= {key: tuple(preset[key]) for key in ("tags", "flags")}
+        preset |= {"m_range": preset["m_range"] and tuple(preset["m_range"])}
         preset["time"] = preset["time"] and Timeline(**preset["time"])
         play = kept["play"] and Play(**kept["play"])
         names = ("backend", "estimator", "bound", "shadows", "state")
@@ -102,7 +104,7 @@ def migrate(kept: Any, state: str, course: Any, label: str) -> dict[str, Any]:
     if kept["format"] > FORMAT:
         message = f"format {kept['format']} was made by a later version"
         raise ValueError(message)
-    return dict(kept)
+    return _from_format_2(kept) if kept["format"] == FORMAT_2 else dict(kept)
 
 
 def _from_format_1(kept: list[Any], state: str, course: Any, label: str) -> dict[str, Any]:
@@ -114,11 +116,18 @@ def _from_format_1(kept: list[Any], state: str, course: Any, label: str) -> dict
     time = known.time if known and known.time and set(known.time.laws) <= set(parameters) else None
     preset = Preset(
         identity, label or (known.name if known else identity), model, kind, parameters,
-        known.source if known else UNKNOWN_SOURCE, known.tags if known else (), coupled=coupled,
+        known.source if known else UNKNOWN_SOURCE, known.tags if known else (), flags=("coupled",) * coupled,
         time=Timeline(**course["time"]) if course else time,
     )  # fmt: skip
     return {
-        "format": 2, "preset": asdict(preset), "backend": backend, "estimator": estimator,
+        "format": FORMAT, "preset": asdict(preset), "backend": backend, "estimator": estimator,
         "bound": bound[0] if bound else DEFAULT_BOUND, "shadows": all(one[3] for one in lights), "lights": lights,
         "play": course["play"] if course else None, "state": state,
     }  # fmt: skip
+
+
+def _from_format_2(kept: dict[str, Any]) -> dict[str, Any]:
+    """Which named the one flag that there was."""
+    preset = dict(kept["preset"])
+    preset["flags"] = ["coupled"] * preset.pop("coupled")
+    return kept | {"format": FORMAT, "preset": preset}

@@ -15,7 +15,7 @@ import bpy
 from ... import nodegroups
 from ..models import parameter as known
 from ..models.principled import Feed
-from . import colour_space, roles
+from . import beside, colour_space, roles
 from .material import MaterialError, absorbs, origin_of, parameter_sockets
 
 if TYPE_CHECKING:
@@ -28,13 +28,14 @@ if TYPE_CHECKING:
 
 KIND = "ShaderNodeBsdfPrincipled"
 COLOURS = {"Base Color", "Specular Tint"}  # what is converted to the file's working space
+EMISSION, ALPHA = ("Emission Color", "Emission Strength"), "Alpha"
 # What a material may have beside its parameters, under Principled's own names.
-BESIDE = ("Normal", "Tangent", "Alpha")
+BESIDE = ("Normal", "Tangent")
 
 
 @dataclass(frozen=True)
 class Input:
-    """What an input of Principled gets: ``factor * source ** exponent``, or where nothing is linked a value.
+    """What an input of Principled gets: ``bias + factor * source ** exponent``, or where nothing is linked a value.
 
     value: in the file's working space; None where the input's own default is right.
     """
@@ -43,11 +44,13 @@ class Input:
     source: NodeSocket | None = None
     factor: float = 1.0
     exponent: float = 1.0
+    bias: float = 0.0
 
     @property
     def image(self) -> Node | None:
-        """The Image Texture that exporters carry, which know factors, but no powers."""
-        return _image_node(self.source) if self.source is not None and self.exponent == 1.0 else None
+        """The Image Texture that exporters carry, which know factors, but neither powers nor sums."""
+        carried = self.source is not None and self.exponent == 1.0 and not self.bias
+        return _image_node(self.source) if carried else None
 
 
 def describe(material: Material) -> dict[str, Input]:
@@ -62,7 +65,10 @@ def describe(material: Material) -> dict[str, Input]:
     except ValueError as error:  # n and k that are both 0
         message = f"{material.name}: {error}"
         raise MaterialError(message) from error
-    return found | dict(_beside(material))
+    found |= dict(_beside(material))
+    if (metallic := beside.metalness(material)) is not None:
+        found["Metallic"] = Input(found["Metallic"].value if "Metallic" in found else 0.0, _source(metallic))
+    return found
 
 
 def left_out(material: Material, inputs: Mapping[str, Input]) -> list[str]:
@@ -101,6 +107,20 @@ def _beside(material: Material) -> Iterator[tuple[str, Input]]:
         if (socket := inputs.get(name)) is not None:
             value = float(socket.default_value) if socket.type == "VALUE" else None
             yield name, Input(value, _source(socket))
+    for name, socket in zip(EMISSION, beside.emission(material) or (), strict=False):
+        yield name, _as_typed(socket, (0.0, 0.0, 0.0) if socket.type == "RGBA" else 1.0)
+    if (passing := beside.alpha(material)) is not None:
+        socket, inverse = passing
+        of = _as_typed(socket, 0.0 if inverse else 1.0)
+        less: Any = of.value
+        yield ALPHA, Input(1.0 - less, of.source, -1.0, bias=1.0) if inverse else of
+
+
+def _as_typed(socket: NodeSocket, unknown: Number) -> Input:
+    """An input that is taken over as it is; unknown: its value where nodes that are not carried compute it."""
+    source, own = _source(socket), socket.default_value
+    own = tuple(own)[:3] if socket.type == "RGBA" else float(own)
+    return Input(unknown if source is not None else own, source)
 
 
 def _source(socket: NodeSocket | None) -> NodeSocket | None:
@@ -155,8 +175,8 @@ def add_node(tree: NodeTree, inputs: Mapping[str, Input], linked: Container[str]
             _set(socket, of.value)
         if of.source is not None and name in linked:
             source = of.source
-            for operation, number in (("POWER", of.exponent), ("MULTIPLY", of.factor)):
-                if number != 1.0:
+            for operation, number in (("POWER", of.exponent), ("MULTIPLY", of.factor), ("ADD", of.bias)):
+                if number != (0.0 if operation == "ADD" else 1.0):
                     made.append(_arithmetic(tree, socket.type, operation, source, number))
                     made[-1].location.y -= 160 * len(made)
                     source = _output(made[-1])

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 KEY = "vgroove"  # custom property: on a node its role, on a material what it was built from (origin.py)
 MODEL, LIGHT, ABSORPTION, TRAJECTORY = "model", "light", "absorption", "trajectory"  # node groups of ours
 OUTPUT, EEVEE = "output", "eevee"  # material outputs: the one that Cycles renders, and EEVEE's own
+GLOW, CLEAR = "glow", "clear"  # the Emission and the Transparent beside the model
+METALNESS = "metalness"  # the node that a metalness map mixes with the model's
 EXPORT = "export"  # what is there while glTF is written
 GROUPS = (MODEL, LIGHT, ABSORPTION, TRAJECTORY)
 

@@ -14,12 +14,13 @@ import bpy
 from ...nodegroups import REVISION_KEY, versions
 from ..models import MODELS, fresnel, label
 from ..reference.fresnel import F82_COSINE, schlick
-from . import fcurves, origin, roles
+from . import beside, fcurves, metalness, origin, roles, ungroup
 from . import material as building
+from .links import feeder
 from .reading import state_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from bpy.types import Material, Node, NodeSocket, ShaderNodeTree
 
@@ -38,9 +39,11 @@ SHADERS: dict[str, dict[str, str]] = {
     "ShaderNodeBsdfGlass": {"IOR": "IOR", **PLAIN},
     "ShaderNodeBsdfSheen": PLAIN,
 }
-ALPHA, EMISSION, STRENGTH = "Alpha", "Emission Color", "Emission Strength"  # of Principled, which no model of ours has
-GLOW, CLEAR = "glow", "clear"  # roles of the nodes that stand for them beside our model
-OWN = (*roles.GROUPS, roles.OUTPUT, roles.EEVEE, GLOW, CLEAR)
+# What adds to the look whatever the colour is, by names of inputs: no model of ours has it, also where it is a value.
+ADDED = ("Anisotropic", "Anisotropy", "Coat Weight", "Sheen Weight", "Thin Film Thickness")
+# Of Principled, which no model of ours has.
+ALPHA, EMISSION, STRENGTH, METALLIC = "Alpha", "Emission Color", "Emission Strength", "Metallic"
+OWN = (*roles.GROUPS, roles.OUTPUT, roles.EEVEE, roles.METALNESS, roles.GLOW, roles.CLEAR)
 OURS = {label(model, one.name) for model, spec in MODELS.items() for one in spec.parameters} | {"Normal"}
 OURS |= {one.label for kind in fresnel.KINDS.values() for one in kind.parameters}
 
@@ -50,7 +53,9 @@ class Textures:
     """What feeds a shader: the output sockets that are linked, by names of our inputs, and what there is besides.
 
     alpha: the share of light that the surface takes; inverse: alpha is what it lets through instead.
-    emission: colour and strength. Each a socket, or a value. lost: what ours have no input for.
+    emission: colour and strength. Each a socket, or a value. metallic: where the surface is a metal.
+    values: what the shader has where nothing is linked, by names of ``metalness.VALUES``; with a metallic map alone.
+    lost: what ours have no input for.
     """
 
     inputs: dict[str, NodeSocket] = field(default_factory=dict)
@@ -58,6 +63,8 @@ class Textures:
     inverse: bool = False
     emission: tuple[NodeSocket | tuple[float, ...], NodeSocket | float] | None = None
     displacement: NodeSocket | None = None
+    metallic: NodeSocket | None = None
+    values: dict[str, Any] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
 
     def __bool__(self) -> bool:
@@ -66,7 +73,7 @@ class Textures:
 
     def sources(self) -> Iterator[NodeSocket]:
         """Everything that is linked."""
-        found = (*self.inputs.values(), self.alpha, *(self.emission or ()), self.displacement)
+        found = (*self.inputs.values(), self.alpha, *(self.emission or ()), self.displacement, self.metallic)
         yield from (one for one in found if isinstance(one, bpy.types.NodeSocket))
 
     def drop(self, is_gone: Callable[[NodeSocket], bool]) -> None:
@@ -77,6 +84,9 @@ class Textures:
         if self.displacement is not None and is_gone(self.displacement):
             self.displacement = None
             self.lost.append("Displacement, which a shader feeds")
+        if self.metallic is not None and is_gone(self.metallic):
+            self.metallic = None
+            self.lost.append("Metallic, which a shader feeds")
         if isinstance(self.alpha, bpy.types.NodeSocket) and is_gone(self.alpha):
             self.alpha, self.inverse = 1.0, False
             self.lost.append("Alpha, which a shader feeds")
@@ -85,8 +95,16 @@ class Textures:
             self.lost.append("Emission, which a shader feeds")
 
 
+def may_have(made: Material | None) -> bool:
+    """Whether a material has textures, or an artist's group in which ``build`` looks for them."""
+    return bool(read(made)) or ungroup.is_grouped(made)
+
+
 def read(made: Material | None) -> Textures:
-    """The textures of a material's first shader that we know, or of our model; none where there is no such shader."""
+    """The textures of a material's first shader that we know, or of our model; none where there is no such shader.
+
+    Not those in an artist's groups: ``ungroup.take_out`` comes first.
+    """
     tree = versions.used_nodes(made) if made is not None else None
     outputs = [tree.get_output_node(target) for target in ("CYCLES", "EEVEE")] if tree is not None else []
     output = next((one for one in outputs if one is not None), None)
@@ -96,21 +114,25 @@ def read(made: Material | None) -> Textures:
     shader = _shader(output.inputs["Surface"], found)
     if shader is None:
         return Textures()
-    found.displacement = _source(output.inputs["Displacement"])
+    found.displacement = feeder(output.inputs["Displacement"])
     if output.inputs["Volume"].is_linked and not roles.nodes(made, roles.ABSORPTION):
         found.lost.append("Volume")
     names = SHADERS.get(shader.bl_idname) or {one.name: one.name for one in shader.inputs if _is_of_ours(one)}
     taken = set()
     for name, theirs in names.items():
         socket = shader.inputs.get(theirs)  # versions of Blender differ in what a shader has
-        source = None if socket is None else _source(socket)
+        source = None if socket is None else feeder(socket)
         if source is not None and roles.role_of(source.node) != roles.TRAJECTORY:
             found.inputs[name] = source
             taken.add(theirs)
     if shader.bl_idname == "ShaderNodeBsdfPrincipled":
         taken |= _read_principled(shader, found)
+    if found.metallic is not None:
+        kept = metalness.other(made) or shader
+        inputs = [one for one in kept.inputs if one.name in metalness.VALUES and feeder(one) is None]
+        found.values = {one.name: _value(one) for one in inputs}
     if shader.bl_idname in SHADERS:
-        unknown = [one.name for one in shader.inputs if one.is_linked and one.name not in taken]
+        unknown = [one.name for one in shader.inputs if one.name not in taken and _matters(one)]
         found.lost += [f"{shader.bl_label}: {name}" for name in dict.fromkeys(unknown)]
     return found
 
@@ -121,46 +143,35 @@ def _is_of_ours(socket: NodeSocket) -> bool:
     return (lobe[2] if lobe[0] == "Lobe" and len(lobe) > 2 else socket.name) in OURS
 
 
+def _value(socket: NodeSocket) -> Any:
+    """An input's own value, which lives on when its node does not."""
+    return tuple(socket.default_value) if socket.type == "RGBA" else float(socket.default_value)
+
+
+def _matters(socket: NodeSocket) -> bool:
+    """Whether something is lost with an input."""
+    return feeder(socket) is not None or (socket.enabled and socket.name in ADDED and bool(socket.default_value))
+
+
 def _read_principled(shader: Node, found: Textures) -> set[str]:
-    """Alpha and emission; returns the inputs that were read."""
+    """Alpha, emission and metalness; returns the inputs that were read."""
     alpha, color, strength = (shader.inputs[name] for name in (ALPHA, EMISSION, STRENGTH))
     if alpha.is_linked or alpha.default_value < 1.0:
-        found.alpha, found.inverse = _source(alpha) or float(alpha.default_value), False
+        found.alpha, found.inverse = feeder(alpha) or float(alpha.default_value), False
     shines = strength.is_linked or strength.default_value > 0.0
     if shines and (color.is_linked or any(tuple(color.default_value)[:3])):
         found.emission = _glow(color, strength)
-    return {ALPHA, EMISSION, STRENGTH}
+    found.metallic = feeder(shader.inputs[METALLIC])
+    return {ALPHA, EMISSION, STRENGTH, METALLIC}
 
 
 def _glow(color: NodeSocket, strength: NodeSocket) -> tuple[NodeSocket | tuple[float, ...], NodeSocket | float]:
-    return _source(color) or tuple(color.default_value), _source(strength) or float(strength.default_value)
-
-
-def _source(socket: NodeSocket) -> NodeSocket | None:
-    """What feeds an input, through reroutes and muted nodes."""
-    for _ in range(MOST_STEPS):
-        link = next((link for link in socket.links if not link.is_muted), None)
-        if link is None:
-            return None
-        node, source = link.from_node, link.from_socket
-        if node.bl_idname == "NodeReroute":
-            socket = node.inputs[0]
-        elif node.mute:
-            inner = next((one for one in node.internal_links if one.to_socket == source), None)
-            if inner is None:
-                return None
-            socket = inner.from_socket
-        else:
-            return source
-    return None
-
-
-MOST_STEPS = 1000  # of reroutes and muted nodes, which may go in a circle
+    return feeder(color) or tuple(color.default_value), feeder(strength) or float(strength.default_value)
 
 
 def _shader(socket: NodeSocket, found: Textures) -> Node | None:
     """The first known shader upstream; a mix with Transparent is an alpha, another mix loses its other side."""
-    source = _source(socket)
+    source = feeder(socket)
     if source is None:
         return None
     node = source.node
@@ -168,18 +179,22 @@ def _shader(socket: NodeSocket, found: Textures) -> Node | None:
         return node
     if node.bl_idname == "ShaderNodeMixShader":
         factor, *sides = node.inputs
+        own = [side for side in sides if (of := feeder(side)) and roles.role_of(of.node) == roles.METALNESS]
+        if own:
+            found.metallic = feeder(factor)
+            return _shader(next(side for side in sides if side not in own), found)
         clear = [_is(side, "ShaderNodeBsdfTransparent") for side in sides]
         if clear[0] != clear[1]:
-            found.alpha, found.inverse = _source(factor) or float(factor.default_value), clear[1]
+            found.alpha, found.inverse = feeder(factor) or float(factor.default_value), clear[1]
         shown = [side for side, is_clear in zip(sides, clear, strict=True) if not is_clear]
     elif node.bl_idname == "ShaderNodeAddShader":
         shown = [side for side in node.inputs if not _is(side, "ShaderNodeEmission")]
         for side in node.inputs:
-            if (glow := _source(side)) is not None and _is(side, "ShaderNodeEmission"):
+            if (glow := feeder(side)) is not None and _is(side, "ShaderNodeEmission"):
                 found.emission = _glow(glow.node.inputs["Color"], glow.node.inputs["Strength"])
     else:
         return None
-    sides = [(_shader(side, found), _source(side)) for side in shown]
+    sides = [(_shader(side, found), feeder(side)) for side in shown]
     known = [shader for shader, _ in sides if shader is not None]
     found.lost += [f"{one.bl_label}, which is mixed in" for one in known[1:]]
     found.lost += [f"{of.node.bl_label}, which is mixed in" for one, of in sides if one is None and of is not None]
@@ -195,7 +210,7 @@ def _is_ours(node: Node) -> bool:
 
 
 def _is(socket: NodeSocket, kind: str) -> bool:
-    source = _source(socket)
+    source = feeder(socket)
     return source is not None and source.node.bl_idname == kind
 
 
@@ -220,31 +235,42 @@ def taking_colour(preset: Preset) -> Preset:
 def build(preset: Preset, choice: Choice, source: Material) -> tuple[Material, list[str]]:
     """A new material of ``preset`` that takes the textures of ``source``; and what could not be carried over.
 
-    ``source`` stays as it is. Raises MaterialError as ``material.build``.
+    ``source`` stays as it is. Without textures the material is that of ``material.build``, which raises the same
+    MaterialErrors.
     """
-    wanted = preset
-    if "Base Color" in read(source).inputs:
-        preset = taking_colour(preset)
-    if choice.play is not None and preset.time is None:
-        choice = replace(choice, play=None)
-    record, group = building.record_of(preset, choice), building.group_of(preset, choice)
-    made = source.copy()
+    made, wanted = source.copy(), preset
     if made.override_library is not None:  # the copy of an override is one too
         made.make_local(clear_liboverride=True)
     made.name = preset.name
+    groups: list[ShaderNodeTree] = []
     try:
         fcurves.make_own(made)
+        groups = ungroup.take_out(made)
         found = read(made)
-        found.lost += ["its change over time"] * (wanted.time is not None and preset.time is None)
-        _clear_shaders(made, found)
-        building.fill(made, preset, choice, group, keep_nodes=True)
-        origin.write(made, record)
-        building.animate(made, record)
-        origin.write(made, replace(record, state=state_of(made)))
-        return made, found.lost + give(made, found)
+        if "Base Color" in found.inputs:
+            preset = taking_colour(preset)
+        if choice.play is not None and preset.time is None:
+            choice = replace(choice, play=None)
+        if found:
+            record, group = building.record_of(preset, choice), building.group_of(preset, choice)
+            found.lost += ["its change over time"] * (wanted.time is not None and preset.time is None)
+            _clear_shaders(made, found)
+            building.fill(made, preset, choice, group, keep_nodes=True)
+            origin.write(made, record)
+            building.animate(made, record)
+            origin.write(made, replace(record, state=state_of(made)))
+            return made, found.lost + give(made, found)
     except Exception:
-        bpy.data.materials.remove(made)
+        _remove(made, groups)
         raise
+    _remove(made, groups)
+    return building.build(preset, choice), []
+
+
+def _remove(made: Material, groups: Iterable[ShaderNodeTree]) -> None:
+    bpy.data.materials.remove(made)
+    for group in groups:
+        bpy.data.node_groups.remove(group)
 
 
 def _clear_shaders(made: Material, found: Textures) -> None:
@@ -275,16 +301,18 @@ def give(made: Material, found: Textures) -> list[str]:
             lost.append(f"{made.name} has no input {name}")
         else:
             tree.links.new(source, socket)
+    if found.metallic is not None:
+        metalness.give(made, found)
     if found.emission:
         for name, value in zip(("Color", "Strength"), found.emission, strict=True):
-            _feed(tree, value, [one.inputs[name] for one in _beside(made, GLOW)])
+            _feed(tree, value, [one.inputs[name] for one in beside.add(made, roles.GLOW)])
     if found.alpha != 1.0:
-        mixes = [link.to_node for one in _beside(made, CLEAR) for link in one.outputs[0].links]
-        _feed(tree, found.alpha, [one.inputs[0] for one in mixes])
-        if found.inverse:
-            for mix in mixes:
-                _exchange(tree, mix)
-    for output in _outputs(made) if found.displacement else ():
+        beside.add(made, roles.CLEAR)
+        for mix in beside.joints(made, roles.CLEAR):
+            _feed(tree, found.alpha, [mix.inputs[0]])
+            if beside.is_inverse(mix) != found.inverse:
+                beside.exchange(tree, mix)
+    for output in beside.outputs(made) if found.displacement else ():
         tree.links.new(found.displacement, output.inputs["Displacement"])
     return lost
 
@@ -295,32 +323,3 @@ def _feed(tree: ShaderNodeTree, value: NodeSocket | tuple[float, ...] | float, s
             tree.links.new(value, socket)
         else:
             socket.default_value = value
-
-
-def _outputs(made: Material) -> Iterator[Node]:
-    for role in (roles.OUTPUT, roles.EEVEE):
-        yield from roles.nodes(made, role)
-
-
-def _beside(made: Material, role: str) -> list[Node]:
-    """The Emission that is added to the surface, or the Transparent that it is mixed with, for each output."""
-    if not roles.nodes(made, role):
-        kinds = {GLOW: ("ShaderNodeEmission", "ShaderNodeAddShader"),
-                 CLEAR: ("ShaderNodeBsdfTransparent", "ShaderNodeMixShader")}  # fmt: skip
-        tree = made.node_tree
-        for output in _outputs(made):
-            more, both = map(tree.nodes.new, kinds[role])
-            more[roles.KEY] = role
-            surface, sides = output.inputs["Surface"], both.inputs[-2:]
-            shader = surface.links[0].from_socket
-            for source, side in zip((more.outputs[0], shader), sides, strict=True):
-                tree.links.new(source, side)
-            tree.links.new(both.outputs[0], surface)
-    return roles.nodes(made, role)
-
-
-def _exchange(tree: ShaderNodeTree, mix: Node) -> None:
-    """The two sides of a mix, each in the other's place."""
-    sources = [side.links[0].from_socket for side in mix.inputs[1:]]
-    for source, side in zip(reversed(sources), mix.inputs[1:], strict=True):
-        tree.links.new(source, side)

@@ -8,6 +8,7 @@ images by UsdUVTexture. A network of MaterialX, which it makes of the nodes them
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import degrees, exp
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,9 @@ NAME = "Principled_BSDF"  # as Blender calls it
 PREVIEW = {
     "Base Color": "diffuseColor", "Metallic": "metallic", "Roughness": "roughness", "Coat Weight": "clearcoat",
     "Coat Roughness": "clearcoatRoughness", "Normal": "normal", "Alpha": "opacity",
+    "Emission Color": "emissiveColor",
 }  # fmt: skip
+COLOURS = {"diffuseColor": "Color3f", "emissiveColor": "Color3f", "normal": "Normal3f"}  # by the type of each
 WRAP = {"REPEAT": "repeat", "EXTEND": "clamp", "CLIP": "black", "MIRROR": "mirror"}
 SPACES = {"sRGB": "sRGB", "Non-Color": "raw"}
 CHANNELS = {"Red": "r", "Green": "g", "Blue": "b", "Alpha": "a"}
@@ -45,12 +48,18 @@ def write(context: Any, made: Material, usd_material: Any) -> bool:
         surface.set(name, value)
     for name, of in inputs.items():
         if name in PREVIEW and of.image is not None:
-            surface.link(PREVIEW[name], of, of.image)
+            factor = _strength(inputs) if name == "Emission Color" else of.factor
+            surface.link(PREVIEW[name], replace(of, factor=factor), of.image)
     return True
 
 
+def _strength(inputs: dict[str, Input]) -> Any:
+    """That of the emission, which a preview surface has within the colour."""
+    return inputs["Emission Strength"].value if "Emission Strength" in inputs else 0.0
+
+
 def _values(made: Material, inputs: dict[str, Input]) -> dict[str, Any]:
-    def value(name: str, default: float) -> Any:
+    def value(name: str, default: Any) -> Any:
         found = inputs[name].value if name in inputs else None
         return default if found is None else found
 
@@ -61,6 +70,7 @@ def _values(made: Material, inputs: dict[str, Input]) -> dict[str, Any]:
     n = value("IOR", 1.5)
     r = abs((n - 1.0) / (n + 1.0)) * (2.0 * value("Specular IOR Level", 0.5)) ** 0.5  # root of what is reflected
     return {
+        "emissiveColor": tuple(one * _strength(inputs) for one in value("Emission Color", (0.0, 0.0, 0.0))),
         "diffuseColor": color,
         "metallic": value("Metallic", 0.0),
         "roughness": value("Roughness", 0.5),
@@ -115,7 +125,7 @@ class _Surface:
         if factor != (1.0,) * 3 or any(bias):
             _input(texture, "scale", (*factor, 1.0))
             _input(texture, "bias", (*bias, 0.0))
-        channel = "rgb" if name in {"diffuseColor", "normal"} else CHANNELS.get(source.name, "r")
+        channel = "rgb" if name in COLOURS else CHANNELS.get(source.name, "r")
         self._read(texture, name, *coordinates)
         self._connect(self.shader, name, texture, channel)
 
@@ -146,9 +156,9 @@ class _Surface:
 
         types = Sdf.ValueTypeNames
         kinds = {"rgb": types.Float3, "result": types.Float2}
-        wanted = {"diffuseColor": types.Color3f, "normal": types.Normal3f, "st": types.Float2, "in": types.Float2}
+        wanted = {**COLOURS, "st": "Float2", "in": "Float2"}
         source.CreateOutput(output, kinds.get(output, types.Float))
-        to.CreateInput(name, wanted.get(name, types.Float)).ConnectToSource(source.ConnectableAPI(), output)
+        to.CreateInput(name, getattr(types, wanted.get(name, "Float"))).ConnectToSource(source.ConnectableAPI(), output)
 
 
 def _input(shader: Any, name: str, value: Any) -> None:

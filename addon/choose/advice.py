@@ -95,8 +95,8 @@ def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estim
     for part in list(preset.parts().values()) or [preset]:
         if part.spec.has_fresnel and estimator in preset.spec.estimators:
             found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
-    if preset.transparent and not preset.is_sheet:  # a sheet has no inside
-        found += _bounce_problems(known.scene)
+    if preset.refracts:
+        found += [*_bounce_problems(known.scene), *_raytracing_problems(known.scene)]
     return [*found, *cycles_problems(known.scene), *_stale_problems(known)]
 
 
@@ -146,6 +146,14 @@ def _bounce_problems(scene: Scene) -> Iterator[Problem]:
         yield Problem(
             "bounces", text, f"Allow {FEWEST_BOUNCES} Bounces", partial(set_values, cycles, **enough), "longer renders"
         )
+
+
+def _raytracing_problems(scene: Scene) -> Iterator[Problem]:
+    """Without raytracing EEVEE refracts light probes and the world alone."""
+    if scene.render.engine == versions.EEVEE and not scene.eevee.use_raytracing:
+        text = "EEVEE's Raytracing is off: this glass shows only the world behind it"
+        fix = partial(set_values, scene.eevee, use_raytracing=True)
+        yield Problem("raytracing", text, "Switch Raytracing On", fix, "longer renders")
 
 
 def _is_thinner(preset: Preset) -> bool:

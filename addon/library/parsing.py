@@ -76,7 +76,7 @@ def parse(text: str, identity: str, where: str) -> Preset:
         m_range=_m_range(where, data["m_range"], parameters) if "m_range" in data else None,
         verified=_verified(where, data.get("verified", {})),
         time=timeline.parse(where, data["time"], parameters) if "time" in data else None,
-        **{flag: as_typed(where, flag, data.get(flag, False), bool) for flag in model.flags},
+        flags=tuple(flag for flag in model.flags if as_typed(where, flag, data.get(flag, False), bool)),
     )
     check_form(where, preset)
     return preset

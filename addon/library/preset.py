@@ -21,8 +21,9 @@ class Preset:
     """One material. ``parameters`` holds the model's numbers by their reference names.
 
     ``kind`` is the form of the model, one of its spec's ``kinds``: where it has a Fresnel term, that of the term.
-    ``m_range``: slopes that suit the material. ``verified``: its reflectance head-on, "f0", by the reference.
-    ``time``: how its numbers change, where they do; ``parameters`` are those at the start.
+    ``flags``: those of the model's flags that are true. ``m_range``: slopes that suit the material. ``verified``: its
+    reflectance head-on, "f0", by the reference. ``time``: how its numbers change, where they do; ``parameters`` are
+    those at the start.
     """
 
     id: str
@@ -33,7 +34,7 @@ class Preset:
     source: dict[str, str]
     tags: tuple[str, ...] = ()
     notes: str = ""
-    coupled: bool = False
+    flags: tuple[str, ...] = ()
     m_range: tuple[float, float] | None = None
     verified: dict[str, Number] = field(default_factory=dict)
     time: timeline.Timeline | None = None
@@ -87,6 +88,11 @@ class Preset:
     def is_sheet(self) -> bool:
         """Whether it is a thin sheet, without an inside."""
         return self.kind in self.spec.sheets
+
+    @property
+    def refracts(self) -> bool:
+        """Whether it bends the light that goes through it: a sheet lets it straight through."""
+        return self.transparent and not self.is_sheet
 
     @property
     def lobes(self) -> int:

@@ -54,7 +54,7 @@ def dumps(preset: Preset) -> str:
     if spec.lobes:
         keys, count = [one.name for one in spec.lobes], preset.lobes
         tables["lobes"] = [{key: numbers.pop(f"{key}_{k}") for key in keys} for k in range(1, count + 1)]
-    values |= {flag: getattr(preset, flag) for flag in spec.flags}
+    values |= {flag: flag in preset.flags for flag in spec.flags}
     optional = {"tags": preset.tags, "notes": preset.notes, "m_range": preset.m_range}
     values |= {key: of for key, of in optional.items() if of} | numbers
     tables["source"] = dict(preset.source)

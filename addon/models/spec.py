@@ -67,14 +67,14 @@ class Parameter:
 
 
 class Form(Protocol):
-    """The form of a preset, which models decide by: kind, coupled or not, numbers by name (those of lobe k as m_k)."""
+    """The form of a preset, which models decide by: kind, flags that are true, numbers by name (of lobe k as m_k)."""
 
     @property
     def model(self) -> str: ...
     @property
     def kind(self) -> str: ...
     @property
-    def coupled(self) -> bool: ...
+    def flags(self) -> tuple[str, ...]: ...
     @property
     def parameters(self) -> Mapping[str, Any]: ...
 

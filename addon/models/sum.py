@@ -17,6 +17,7 @@ from .spec import Form, Model, Parameter
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+COUPLED = "coupled"
 AT_MOST_ONE = "; the shares add up to at most 1, or more light would leave than arrives"
 D = Parameter(
     "d", "Diffuse", "Share of the diffuse part" + AT_MOST_ONE, 0.5, 0.0, 1.0, subtype="FACTOR", example="d = 0.6",
@@ -27,11 +28,11 @@ S = Parameter(
 
 
 def _reference(form: Form, parts: dict[str, Any]) -> Sum:
-    return Sum(parts["diffuse"], parts["specular"], form.parameters["d"], form.parameters["s"], form.coupled)
+    return Sum(parts["diffuse"], parts["specular"], form.parameters["d"], form.parameters["s"], COUPLED in form.flags)
 
 
 def _flaw(form: Form) -> str:
-    if form.coupled:
+    if COUPLED in form.flags:
         return coat.flaw("a coupled sum", form)
     d, s = form.parameters["d"], form.parameters["s"]
     if d + s > 1.0 + 1e-9:
@@ -43,7 +44,7 @@ def _account(form: Form) -> Iterator[tuple[str, str]]:
     d, s = form.parameters["d"], form.parameters["s"]
     yield (
         "diffuse part: oren_nayar",
-        f"{d:g} of what the specular part leaves" if form.coupled else f"{d:g} of the light",
+        f"{d:g} of what the specular part leaves" if COUPLED in form.flags else f"{d:g} of the light",
     )
     yield "specular part: cook_torrance", f"{s:g} of the light"
 
@@ -66,7 +67,7 @@ MODEL = Model(
     parameters=(D, S, *oren_nayar.MODEL.parameters, *cook_torrance.MODEL.parameters),
     has_fresnel=True,
     kinds=fresnel.LABELS,
-    flags=("coupled",),
+    flags=(COUPLED,),
     parts=(("diffuse", "oren_nayar"), ("specular", "cook_torrance")),
     labels={"sigma": "Diffuse Roughness", "f0": "Specular Color"},
     reference=_reference,

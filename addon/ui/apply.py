@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..blender import material, slots, textures
+from ..blender import material, metalness, slots, textures
 from ..blender.rebuild import UNCHANGED, rebuild
 from ..library import presets
 from ..library.errors import InputError
@@ -87,9 +87,10 @@ def _give(
     before = {item: item.active_material for item in items}
     news: dict[bpy.types.Material | None, bpy.types.Material] = {}  # all are built before anything is given
     for source in dict.fromkeys(before.values()):
-        if keep and textures.read(source):
+        if keep and textures.may_have(source):
             news[source], missing = textures.build(preset, choice, source)
             lost += [f"not carried over: {name}" for name in missing]
+            lost += filter(None, [metalness.says(news[source])])
     if any(source not in news for source in before.values()):
         news |= dict.fromkeys(set(before.values()) - set(news), material.build(preset, choice))
     for source, new in news.items():
@@ -106,7 +107,7 @@ def _is_of(item: bpy.types.Object, preset: presets.Preset) -> bool:
     if made is None or not material.is_ours(made) or material.locked(made):
         return False
     known = material.preset_of(made)
-    wanted = {"id", "name", "model", "kind", "coupled", "parameters"}
+    wanted = {"id", "name", "model", "kind", "flags", "parameters"}
     return any(
         all(getattr(known, name) == getattr(one, name) for name in wanted)
         for one in (preset, textures.taking_colour(preset))

@@ -155,6 +155,7 @@ class VGROOVE_PT_source(InSidebar, bpy.types.Panel):
 
     bl_label = "Source"
     bl_parent_id = "VGROOVE_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, preset = self.layout, properties.chosen_preset(context.scene.vgroove)
@@ -205,7 +206,7 @@ def _replaces_textures(context: bpy.types.Context) -> bool:
     if context.mode != "OBJECT":
         return False
     items = context.selected_objects[:MOST_READ]
-    return any(textures.read(one) for one in {item.active_material for item in items})
+    return any(textures.may_have(one) for one in {item.active_material for item in items})
 
 
 def _shows_estimators(settings: bpy.types.PropertyGroup) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from ..blender import textures
+from ..blender import metalness, textures
 from ..blender.rebuild import as_preset
 from ..library.errors import InputError
 from .operators import ours
@@ -58,8 +58,9 @@ class VGROOVE_OT_add_image_set(bpy.types.Operator):
             self.report({"ERROR"}, str(error).strip())
             return {"CANCELLED"}
         count = len(maps)
-        text = f"{count} map{'s' * (count > 1)} found for {made.name}"
-        self.report({"WARNING"} if lost else {"INFO"}, ". ".join([text, *(f"not used: {one}" for one in lost)]))
+        texts = [f"{count} map{'s' * (count > 1)} found for {made.name}", metalness.says(made)]
+        texts += [f"not used: {one}" for one in lost]
+        self.report({"WARNING"} if lost else {"INFO"}, ". ".join(filter(None, texts)))
         return {"FINISHED"}
 
 

@@ -10,6 +10,7 @@ import bpy
 
 from ...addon.blender import gonio
 from ...addon.blender.images import pixels
+from ...nodegroups import versions
 from ..scenery import add_node
 from . import everyday_stage as stage
 from .everyday_stage import Shot, everyday
@@ -181,6 +182,6 @@ def osl_on(shown: Scene) -> None:
 
 @everyday("EEVEE", "copper", "plaster", "plastic", slow=True, says=("engine is not Cycles", *stage.SAYS_FRESNEL))
 def eevee(shown: Scene) -> None:
-    shown.render.engine = "BLENDER_EEVEE" if stage.MODERN else "BLENDER_EEVEE_NEXT"
+    shown.render.engine = versions.EEVEE
     shown.eevee.taa_render_samples = 1  # both materials are seen through the same ones, of which each takes a second
     stage.light(shown, "SUN", 3.0)

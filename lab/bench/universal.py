@@ -270,7 +270,7 @@ def _read(tree: Tree, name: str, *, color: bool) -> Value:
 
 
 def _parameter(tree: Tree, name: str) -> Value:
-    """A parameter by the object's properties, through a ramp if some preset changes it over time."""
+    """A parameter by the object's properties; one that moves in some preset by a ramp of what its input holds."""
     color = isinstance(NEUTRAL[base_name(name)], tuple)
     if base_name(name) not in moving():
         return _read(tree, property_name(name), color=color)
@@ -278,7 +278,7 @@ def _parameter(tree: Tree, name: str) -> Value:
     start, end, _ = _read(tree, property_name(name, "span"), color=True).xyz
     age = _read(tree, property_name("age"), color=False)
     node = tree.group(ramp.group(color=color), Before=before, After=after, Age=age, Start=start, End=end)
-    return Value(tree, node.outputs["Value"])
+    return parameter(name).scale.of_input(Value(tree, node.outputs["Value"]))
 
 
 # One thing that was left out, put back

@@ -11,7 +11,7 @@ from ...addon.blender import course
 from ...addon.blender import lamps as lamp_binding
 from ...addon.library.checks import M_RANGE
 from ...addon.library.presets import Preset, shipped
-from ...addon.models import base_name
+from ...addon.models import base_name, parameter
 from ...nodegroups import fresnel
 from . import peers
 
@@ -38,7 +38,8 @@ SWITCHES = ("fresnel", "qualitative", "coupled", "body", "glass", "thin", "smoot
 def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -> dict[str, Any]:
     """The properties that show ``preset``: at ``age`` of its course if it has one and it is played; of None nothing.
 
-    A parameter's property ends in Before and After: its keys around ``age``, and Span, their ages.
+    Of a parameter that moves, properties end in Before and After, what its input holds at the keys around ``age``, and
+    Span, their ages.
     """
     values = {name: NEUTRAL[base_name(name)] for name in names()}
     switches: dict[str, float] = dict.fromkeys(SWITCHES, 0.0)
@@ -49,7 +50,7 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
         kinds = list(fresnel.KINDS)
         switches["fresnel"] = float(kinds.index(preset.kind)) if preset.kind in kinds else 0.0
         switches["qualitative"] = float(preset.kind == "qualitative")
-        switches["coupled"], switches["thin"] = float(preset.coupled), float(preset.kind == "thin")
+        switches["coupled"], switches["thin"] = float("coupled" in preset.flags), float(preset.kind == "thin")
         switches["smooth"] = float(preset.m == 0.0)
         for name, value in peers.of(preset).UNIVERSAL.items():
             (switches if name in switches else values)[name] = value
@@ -60,10 +61,11 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
         values["absorption"] = BLACK  # a sheet has no inside
     found: dict[str, Any] = {property_name(name): value for name, value in switches.items()}
     for name, value in values.items():
-        before, after, span = _around(keys[name], age) if name in keys else (value, value, (0.0, 1.0, 0.0))
         if base_name(name) not in moving():
             found[property_name(name)] = value
             continue
+        held = parameter(name).scale.to_input(value)
+        before, after, span = _around(keys[name], age) if name in keys else (held, held, (0.0, 1.0, 0.0))
         found |= {
             property_name(name, "before"): before,
             property_name(name, "after"): after,

@@ -176,7 +176,7 @@ def one_of_each():
     """The first preset of every other model that builds its tree in its own way; test_every_preset.py has them all."""
     found = {}
     for preset in presets.all_presets().values():
-        way = preset.model, preset.kind, preset.coupled, preset.lobes, preset.m > 0, material.absorbs(preset)
+        way = preset.model, preset.kind, preset.flags, preset.lobes, preset.m > 0, material.absorbs(preset)
         found.setdefault(way, preset)
     return [preset for preset in found.values() if preset.model != "cook_torrance"]
 

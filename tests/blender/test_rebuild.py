@@ -241,6 +241,17 @@ def test_identity_is_what_was_built(blender):
     assert build(COPPER.with_parameters(m=0.31), Choice()) is not first
 
 
+@pytest.mark.parametrize("identity", ["copper", "plastics/abs_plastic"])
+def test_records_of_format_2_are_read(blender, identity):
+    """Which had the one flag that there was, by name."""
+    made = build(presets.find(identity), Choice())
+    whole, now = json.loads(made[roles.KEY]), origin.read(made)
+    before = {key: value for key, value in whole["preset"].items() if key != "flags"}
+    before["coupled"] = "coupled" in whole["preset"]["flags"]
+    made[roles.KEY] = json.dumps(whole | {"format": 2, "preset": before})
+    assert origin.read(made) == now
+
+
 def test_damaged_and_later_records_are_not_ours(blender):
     """Neither reading nor the panel's code stumbles over them; changing says why not."""
     made = build(COPPER, Choice())

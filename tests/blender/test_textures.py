@@ -4,33 +4,18 @@
 import numpy as np
 import pytest
 
-from vgroove.addon.blender import fcurves, image_set, material, roles, shader_nodes, textures
+from vgroove.addon.blender import beside, fcurves, image_set, material, metalness, roles, shader_nodes, textures
 from vgroove.addon.blender.course import Play
 from vgroove.addon.blender.material import Choice
 from vgroove.addon.library import presets
 from vgroove.addon.reference.fresnel import F82_COSINE
 from vgroove.nodegroups import versions
 
+from .noises import feed, textured
+
 pytestmark = pytest.mark.blender
 
 CHOICE = Choice("nodes", "closure")  # which every model has
-
-
-def textured(kind, **names):
-    """A material of one of Blender's shaders, its inputs fed by noises of the labels given."""
-    made = versions.empty_material("Bricks")
-    tree = made.node_tree
-    shader, output = tree.nodes.new(kind), tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(shader.outputs[0], output.inputs["Surface"])
-    for label, name in names.items():
-        feed(tree, shader.inputs[name], label)
-    return made
-
-
-def feed(tree, socket, label):
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    noise.label = label
-    tree.links.new(noise.outputs["Color"], socket)
 
 
 def sources(made):
@@ -86,7 +71,7 @@ def test_alpha_emission_and_displacement_stay(blender):
     output = tree.get_output_node("CYCLES")
     feed(tree, output.inputs["Displacement"], "height")
     made, lost = textures.build(presets.find("plastics/abs_plastic"), CHOICE, source)
-    assert lost == ["Principled BSDF: Metallic"]
+    assert lost == []
     for role in (roles.OUTPUT, roles.EEVEE):
         for out in roles.nodes(made, role):
             mix = out.inputs["Surface"].links[0].from_node
@@ -97,12 +82,17 @@ def test_alpha_emission_and_displacement_stay(blender):
             glow = both.inputs[0].links[0].from_node
             assert glow.inputs["Color"].links[0].from_node.label == "glow"
             assert glow.inputs["Strength"].default_value == 2.0
-            assert both.inputs[1].links[0].from_node == roles.node(made, roles.MODEL)
+            metals = both.inputs[1].links[0].from_node
+            assert metals.inputs[0].links[0].from_node.label == "metal"
+            assert [one.links[0].from_node for one in metals.inputs[1:]] == [
+                roles.node(made, roles.MODEL), metalness.other(made),
+            ]  # fmt: skip
             assert out.inputs["Displacement"].links[0].from_node.label == "height"
     again, lost = textures.build(presets.find("diffuse/clay"), CHOICE, made)
     assert lost == []
     assert textures.read(again).alpha is not None
     assert textures.read(again).emission is not None
+    assert textures.read(again).metallic is not None
     assert sources(again) == {"Base Color": "colour"}
 
 
@@ -246,7 +236,9 @@ def test_an_image_set_finds_its_inputs(blender, folder):
     made = material.build(presets.find("diffuse/clay"), CHOICE)
     found = image_set.load(made.node_tree, maps)
     assert textures.give(made, found) == []
-    assert found.lost == ["Metallic (wall_metal.png)"]
+    assert found.lost == []
+    assert beside.metalness(made).links[0].from_node.image.name.startswith("wall_metal")
+    assert metalness.says(made) == "metal where the metalness map is white, Clay elsewhere"
     inputs = roles.node(made, roles.MODEL).inputs
     assert inputs["Base Color"].links[0].from_node.image.colorspace_settings.name == "sRGB"
     assert inputs["Roughness"].links[0].from_node.bl_idname == "ShaderNodeInvert"

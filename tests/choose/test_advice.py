@@ -331,6 +331,21 @@ def test_a_material_without_its_group_is_said_not_raised(stage, blender):
     assert "Point" in found["stale Kept"]
 
 
+def test_glass_without_raytracing_is_said_in_eevee(stage):
+    """Of what bends light, in EEVEE alone, and one button mends it."""
+    glass, pane = (presets.find(name) for name in ("glasses/bk7_crown_glass", "window"))
+
+    def found(preset):
+        return [p for p in advice.problems_with(stage, preset, "nodes", "closure") if p.key == "raytracing"]
+
+    assert found(glass) == []
+    stage.render.engine = versions.EEVEE
+    assert found(pane) == []
+    (problem,) = found(glass)
+    problem.fix()
+    assert found(glass) == []
+
+
 def test_materials_in_the_scene_are_judged_by_what_they_are(stage):
     """Whatever the panel is set to: by name, each text once; a scene's own problems without one."""
     stage.cycles.sample_clamp_direct = 1.0

@@ -57,7 +57,8 @@ def test_the_report_says_what_the_rule_costs(blender_version):
         assert {pick.estimator for pick in of.picks} <= ({"mirror"} if of.smooth else set(NATIVE))
         assert {"corrected", "direct", "hybrid"} & of.auto.refused.keys() or name.endswith(("/glass", "/frosted"))
         assert all(pick.of_all >= pick.ratio for pick in of.picks)
-    assert max(pick.of_all for of in scenes.values() for pick in of.picks) > 2.0  # what the rule costs shows
+    if not RUNS[blender_version].quick:
+        assert max(pick.of_all for of in scenes.values() for pick in of.picks) > 2.0  # what the rule costs shows
 
 
 @pytest.mark.blender
@@ -67,7 +68,7 @@ def test_automatic_picks_what_the_published_report_judges(blender, tmp_path):
     A Blender that the report has not measured yet is held to what 5.2 picks.
     """
     run = RUNS.get(blender.app.version_string.split()[0]) or next(RUNS[name] for name in RUNS if name.startswith("5.2"))
-    now = {cell.key.partition("/")[2]: cell.measure(tmp_path) for cell in picks.cells(quick=False)}
+    now = {cell.key.partition("/")[2]: cell.measure(tmp_path) for cell in picks.cells(quick=run.quick)}
     assert {name: (of.estimators, [*of.refused]) for name, of in now.items() if name in run.scenes} == {
         name: (of.auto.estimators, [*of.auto.refused]) for name, of in run.scenes.items()
     }
@@ -161,7 +162,7 @@ def test_what_nothing_was_measured_of_is_said(blender, lit, monkeypatch):
     assert pick.estimator == "fit"
 
 
-@pytest.mark.parametrize("blender_version", RUNS)
+@pytest.mark.parametrize("blender_version", [name for name, run in RUNS.items() if not run.quick])
 def test_each_model_is_called_measured_where_the_report_measured_it(blender_version):
     """Both estimators that Automatic compares. Frosted and smooth glass have no second one to compare with."""
     run = replace(PUBLISHED, runs={blender_version: RUNS[blender_version]})

@@ -10,8 +10,10 @@ import pytest
 
 from vgroove import headless
 from vgroove.addon.blender import material
+from vgroove.addon.blender.course import Play
 from vgroove.addon.choose import explain
 from vgroove.addon.library import presets
+from vgroove.addon.models import parameter
 from vgroove.lab.bench import any_fresnel, left_out, record, universal, universal_data
 from vgroove.lab.bench.cells import LeftOut, OmittedPart
 from vgroove.nodegroups import cook_torrance_closure, fresnel
@@ -26,12 +28,14 @@ def compared(preset, scene, backend, estimator="auto", changes=(dict,), samples=
     with headless.quiet():
         shown = left_out.stage(scene, size)
         shown.cycles.shading_system = backend == "osl"
-        choice, _ = explain.chosen(preset, shown, backend, estimator)
+        play = Play("age", 1.0, left_out.LENGTH) if preset.time else None
+        choice = replace(explain.chosen(preset, shown, backend, estimator)[0], play=play)
+        data = universal_data.data_of(preset, (left_out.FRAME - 1.0) / left_out.LENGTH, play)
         built, _ = left_out._render(shown, material.build(preset, choice), {}, samples)
         made, found = universal.build(choice), []
         for change in changes:
             left_out._ball(shown).active_material = None
-            found.append(left_out._render(shown, made, change(universal_data.data_of(preset)), samples)[0])
+            found.append(left_out._render(shown, made, change(data), samples)[0])
     assert built.mean() > 1e-3
     return [left_out._compared(built, one, samples, independent=left_out._redraws(preset, choice)) for one in found]
 
@@ -43,6 +47,7 @@ def compared(preset, scene, backend, estimator="auto", changes=(dict,), samples=
         ("glasses/frosted_glass", "environment", BACKEND, "auto"),
         ("car_paints/blue", "softbox", BACKEND, "auto"),
         ("metals/copper", "environment", "osl", "closure"),
+        ("time_varying/rusting_iron", "softbox", BACKEND, "auto"),
     ],
 )
 def test_universal_material_shows_the_same_picture(blender, name, scene, backend, estimator):
@@ -142,10 +147,12 @@ def test_data_hold_every_parameter(name):
     preset = presets.find(left_out.CASES[name])
     data, nothing = universal_data.data_of(preset), universal_data.data_of(None)
     assert data.keys() == nothing.keys()
-    for parameter, value in preset.parameters.items():
-        known = parameter.removesuffix("_1")
-        got = data.get(f"vgroove {known}", data.get(f"vgroove {known} after"))
-        np.testing.assert_array_equal(got, value)
+    for key, value in preset.parameters.items():
+        known = key.removesuffix("_1")
+        if f"vgroove {known}" in data:
+            np.testing.assert_array_equal(data[f"vgroove {known}"], value)
+        else:
+            np.testing.assert_array_equal(data[f"vgroove {known} after"], parameter(key).scale.to_input(value))
 
 
 def test_cells_are_the_same_in_each_run():

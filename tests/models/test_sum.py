@@ -70,7 +70,7 @@ def test_no_sum_sends_back_more_than_arrives(name):
 def test_what_cannot_be_coupled_is_refused(old, new, message):
     """A metal, a coloured F0, a slope that no fit reaches; in one line."""
     text = TEXT.replace("d = 0.6", "coupled = true\nd = 0.6")
-    assert parse(text, "a/sum", "a/sum.toml").coupled
+    assert parse(text, "a/sum", "a/sum.toml").flags == ("coupled",)
     with pytest.raises(PresetError, match=re.escape(f"a/sum.toml: {message}")):
         parse(text.replace(old, new), "a/sum", "a/sum.toml")
 

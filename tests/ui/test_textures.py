@@ -41,6 +41,27 @@ def test_apply_keeps_textures_if_the_panel_says_so(extension, keep):
     assert bool(textures.read(extension.context.object.active_material)) is keep
 
 
+def test_a_metalness_map_says_what_shows_where(extension):
+    """The other side keeps the artist's values; the message, which is a warning, names both."""
+    from vgroove.addon.blender import metalness
+
+    source = bricks(extension)
+    tree = source.node_tree
+    shader = tree.nodes["Principled BSDF"]
+    tree.links.new(tree.nodes["Image Texture"].outputs["Color"], shader.inputs["Metallic"])
+    shader.inputs["Roughness"].default_value = 0.75
+    extension.context.scene.vgroove.preset = "metals/gold"
+    assert run(extension, "apply") == {"FINISHED"}
+    made = extension.context.object.active_material
+    assert metalness.says(made) == "Gold where the metalness map is white, plastic elsewhere"
+    assert metalness.other(made).inputs["Roughness"].default_value == 0.75
+    extension.context.scene.vgroove.preset = "plastics/red_plastic"
+    run(extension, "apply")
+    made = extension.context.object.active_material
+    assert metalness.says(made) == "metal where the metalness map is white, Red Plastic elsewhere"
+    assert metalness.other(made).inputs["Roughness"].default_value == 0.75
+
+
 def test_an_image_set_comes_in_by_its_folder(extension, tmp_path):
     """A measured metal takes the colour as F82; without maps, or with a broken one, one line says so."""
     extension.context.scene.vgroove.preset = "metals/copper"
