@@ -94,6 +94,7 @@ def _set_up(made: Scene) -> None:
     cycles.max_bounces, cycles.diffuse_bounces = 12, 2
     cycles.glossy_bounces = cycles.transmission_bounces = 12
     cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
+    cycles.denoising_prefilter = "FAST"  # the default takes a third of a picture's time, and no difference is seen
     made.view_settings.view_transform = "Khronos PBR Neutral"  # a colour stays what the preset says
     render.resolution_x = render.resolution_y = PIXELS
     versions.write_as(render.image_settings, "IMAGE", "WEBP")
