@@ -3,9 +3,9 @@
 
     python tools/strip.py FILE.webp
 
-Shape, camera and lights are the same, and one low lamp lights all: models differ most at grazing angles. Reference has no
-bias, so with many samples it shows the formula. Below a picture stands its mean difference from Reference, as a share of
-Reference's mean, over the pixels that the object changes by a tenth or more.
+Shape, camera and lights are the same, and one low lamp lights all: models differ most at grazing angles. Reference
+has no bias, so with many samples it shows the formula. Below a picture stands its mean difference from Reference, as a
+share of Reference's mean, over the pixels that the object changes by a tenth or more.
 """
 
 from __future__ import annotations

@@ -108,3 +108,26 @@ def test_white_is_exposed_to_four_fifths_and_silver_is_not_burnt_out(blender, tm
     preset = presets.find("metals/silver")
     studio.show(shown, preset, material.build(preset, material.Choice("nodes", "closure")))
     assert np.mean(np.any(picture(shown, tmp_path / "silver.exr") > 1.0, axis=-1)) < 0.03
+
+
+class WithoutDenoiser:
+    """Settings of Cycles as Debian's Blender has them."""
+
+    @property
+    def denoiser(self):
+        return ""
+
+    @denoiser.setter
+    def denoiser(self, value):
+        message = f'enum "{value}" not found in ()'
+        raise TypeError(message)
+
+
+def test_where_blender_has_no_denoiser_more_samples_take_its_place(blender):
+    """Debian's is built without one, and the picture of one's own preset has to be made there too."""
+    less = WithoutDenoiser()
+    studio.remove_noise(less)
+    assert (less.use_denoising, less.samples) == (False, 4 * studio.SAMPLES)
+    cycles = blender.context.scene.cycles
+    studio.remove_noise(cycles)
+    assert cycles.use_denoising

@@ -46,7 +46,7 @@ def test_what_is_there_is_not_rendered_again(tmp_path, monkeypatch):
 
 
 def test_a_picture_is_made_again_if_it_would_change():
-    """By another number or shape. Not by a name, a source, or an Abbe number, which shows only where it is asked for."""
+    """By another number or shape; not by a name, a source, or an Abbe number, which no picture shows."""
     ruby = shipped()["gems/ruby"]
     made = previews.digest(ruby)
     assert previews.digest(replace(ruby, name="Red Corundum", source={}, notes="x", m_range=None)) == made
