@@ -47,8 +47,8 @@ def emission(
     lack, negative where they send too much.
     """
     N = specular_normal(tree, inputs.normal)
-    radiance = sum(_radiance(tree, kind, inputs, N, wi, irradiance, carried) for wi, irradiance in beams)
-    emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
+    total = sum(radiance(tree, kind, inputs, N, wi, irradiance, carried) for wi, irradiance in beams)
+    emitted = tree.node("ShaderNodeEmission", Color=total if beams else (0.0, 0.0, 0.0))
     return output(emitted, "Emission")
 
 
@@ -63,10 +63,11 @@ def emission_osl(
     return tree.add_shaders([node.outputs[0] for node in scripts])
 
 
-def _radiance(
+def radiance(
     tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value, wi: Value, irradiance: Value,
-    carried: Callable[[Value, Value], Value] | None,
+    carried: Callable[[Value, Value], Value] | None = None,
 ) -> Value:  # fmt: skip
+    """F D G / (4 (n.v)) E of one lamp, less what is ``carried``."""
     wo = tree.geometry("Incoming")
     with tree.frame("Half vector and cosines"):
         both = wi + wo

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..addon.models.sum import AT_MOST_ONE, COUPLED, MODEL, D, S
-from . import cook_torrance, cook_torrance_albedo
+from . import cook_torrance, cook_torrance_albedo, eevee
 from .parameters import add_input, renamed
 from .shading_normal import typical_smoothing
 
@@ -47,7 +47,7 @@ def build(
         with tree.frame("What the specular part leaves"):
             d = d * (1.0 - s * E)
     if averaged:
-        d = d * typical_smoothing(tree, tree.input_named("Normal"))
+        d = d * eevee.by_closures(tree, typical_smoothing(tree, tree.input_named("Normal")))
     shaders = []
     for part, name, weight in ((diffuse, "diffuse", d), (specular, "specular", s)):
         with tree.frame(part.name):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from functools import partial
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ... import nodegroups
@@ -29,6 +30,14 @@ def module_of(model: str, estimator: str) -> ModuleType:
     return import_module(f".{name}", nodegroups.__name__)
 
 
+def formula_of(model: str) -> ModuleType | None:
+    """The module that builds a model's formula for EEVEE's lights, if it has one."""
+    name = f".{model}_eevee"
+    there = versions.LIGHT_NODES and find_spec(name, nodegroups.__name__)
+    return import_module(name, nodegroups.__name__) if there else None
+
+
+FORMULAS = {name: formula_of(name) for name in MODELS}
 # By model and estimator
 BUILDERS = {name: {one: module_of(name, one) for one in model.estimators} for name, model in MODELS.items()}
 
@@ -60,7 +69,11 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
         label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
     build = partial(build_group, **arguments)
     if choice.backend == "osl" or choice.estimator not in NATIVE:
-        build = partial(_with_eevee, build, group_of(preset, Choice("nodes", "closure")))
+        build = partial(_with_closure, build, group_of(preset, Choice("nodes", "closure")))
+    elif (formula := FORMULAS[preset.model]) is not None:
+        name = f"{formula.NAME} {form.variant(preset)[0]}"
+        shown = nodegroups.ensure(name, formula.REVISION, partial(formula.build, **arguments))
+        build = partial(_with_formula, build, shown)
     return nodegroups.ensure(label + suffix(choice), module.REVISION, build)
 
 
@@ -82,6 +95,11 @@ def suffix(choice: Choice) -> str:
     return " (OSL)" if choice.backend == "osl" else ""
 
 
-def _with_eevee(build_group: Callable[[Tree], None], closure: ShaderNodeTree, tree: Tree) -> None:
+def _with_closure(build_group: Callable[[Tree], None], closure: ShaderNodeTree, tree: Tree) -> None:
     build_group(tree)
     eevee.add_closure(tree, closure)
+
+
+def _with_formula(build_group: Callable[[Tree], None], formula: ShaderNodeTree, tree: Tree) -> None:
+    build_group(tree)
+    eevee.add_formula(tree, formula)
