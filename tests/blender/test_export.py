@@ -69,7 +69,14 @@ def _sum(preset, of):
     return {"color": below + of["s"] * F, "metallic": of["s"] / (of["s"] + of["d"])}
 
 
+def _anisotropic(preset, of):
+    if preset.kind == "dielectric":
+        return {"color": (0.0, 0.0, 0.0), "metallic": 0.0, "ior": of["eta"]}
+    return {"color": preset.reference_fresnel()(1.0), "metallic": 1.0}
+
+
 EXPECTED = {
+    "anisotropic": _anisotropic,
     "cook_torrance": lambda preset, _: {"color": preset.reference_fresnel()(1.0), "metallic": 1.0},
     "oren_nayar": lambda _, of: {"color": of["albedo"], "metallic": 0.0, "specular": 0.0},
     "translucent": lambda _, of: {"color": of["reflectance"], "metallic": 0.0, "specular": 1.0, "ior": of["eta"]},

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from vgroove import headless
-from vgroove.addon.blender import gonio
+from vgroove.addon.blender import gonio, principled
 from vgroove.addon.blender.material import Choice, build, lamps_to_bind
-from vgroove.addon.library.presets import all_presets, parse
+from vgroove.addon.library.presets import all_presets, find, parse
 from vgroove.addon.models.anisotropic import MODEL
 from vgroove.lab.check import anisotropic as check
 from vgroove.lab.check.rows import SETUPS, surely_seen
@@ -165,3 +165,14 @@ def test_without_anisotropy_it_is_the_isotropic_model(instrument, estimator):
             gonio.measure_preset(one, "nodes", estimator, VIEW, shading_osl=False) for one in (of, isotropic)
         )
     assert np.abs(got - expected).max() < 1e-5 * expected.max()
+
+
+@pytest.mark.blender
+@pytest.mark.parametrize("identity", ["finished_metals/copper_hair_line", "plastics/vinyl_record"])
+def test_exports_have_the_same_two_numbers(blender, identity):
+    """As Principled's, which glTF writes as KHR_materials_anisotropy."""
+    of = find(identity)
+    inputs = principled.describe(build(of, Choice("nodes", "fit")))
+    for socket, key in (("Anisotropic", "anisotropy"), ("Anisotropic Rotation", "rotation")):
+        assert inputs[socket].value == pytest.approx(of.parameters[key], abs=1e-6)
+    assert inputs["Roughness"].value == pytest.approx(of.parameters["m"] ** 0.5, abs=1e-6)
