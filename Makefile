@@ -26,10 +26,11 @@ test-4.5: | $(UV)  ## on Blender 4.5 LTS, what depends on the Blender
 test-5.3: | $(UV)  ## on Blender 5.3
 	$(RUN_53) $(PYTEST)
 
-test-all: | $(UV)  ## every row of every grid, on all three
+test-all: | $(UV)  ## every row of every grid, on all three, and clicks in a window
 	$(RUN) $(PYTEST) --cover 0
 	$(RUN_45) $(PYTEST) --cover 0
 	$(RUN_53) $(PYTEST) --cover 0
+	$(MAKE) test-window
 
 test-window: | $(UV)  ## clicks in a real Blender's window: Debian's, in .cache/window; as root, on Debian
 	$(RUN) pytest tests/window

@@ -85,8 +85,9 @@ class Renderer:
         frame, samples, resolution = self._own
         shown.frame_set(frame if task.frame is None else task.frame)
         said = assignment.assign(
-            shown, sorted(task.assignments), task.backend, task.estimator, task.bound, into=self._materials
-        )
+            shown, sorted(task.assignments), task.backend, task.estimator, task.bound, disperses=task.dispersion,
+            into=self._materials,
+        )  # fmt: skip
         began = time.perf_counter()
         size = task.resolution or resolution
         means: list[Mean] = []

@@ -66,6 +66,9 @@ AssignOption = Annotated[
 EstimatorOption = Annotated[
     Estimator, typer.Option(help="auto: closure or fit, the smaller expected error in this scene; see explain")
 ]
+DispersionOption = Annotated[
+    bool, typer.Option("--dispersion", help="Clear materials spread colors by their Abbe number (Blender 5.3)")
+]
 FramesOption = Annotated[
     str | None,
     typer.Option(
@@ -121,6 +124,7 @@ def render(
     backend: BackendOption = Backend.NODES,
     estimator: EstimatorOption = AUTO,
     bound: BoundOption = DEFAULT_BOUND,
+    dispersion: DispersionOption = False,
     at_time: TimeOption = None,
     frames: FramesOption = None,
     driving: DrivingOption = Driving.CURVES,
@@ -152,7 +156,9 @@ def render(
         stage.cycles.samples = samples or (stage.cycles.samples if is_scene else PREVIEW_SAMPLES)
     with lamps.read_once():
         with headless.quiet():
-            advice = assignment.assign(stage, assigned, str(backend), str(estimator), bound, play, where="--assign ")
+            advice = assignment.assign(
+                stage, assigned, str(backend), str(estimator), bound, play, disperses=dispersion, where="--assign "
+            )
         for text in advice:
             say(f"warning: {text}")
         if not span:
@@ -162,8 +168,8 @@ def render(
             return
     identity = [
         what, digest_of(Path(what)) if is_scene else "", [(name, asdict(preset)) for name, preset in assigned],
-        play and asdict(play), str(backend), str(estimator), bound, stage.cycles.samples, seed, size, shutter,
-        versions(),
+        play and asdict(play), str(backend), str(estimator), bound, dispersion, stage.cycles.samples, seed, size,
+        shutter, versions(),
     ]  # fmt: skip
     _render_frames(stage, span, output, identity, movie, shutter=shutter, **pixels)
     _write_extras(output, span, assigned, strip, movie, fps)

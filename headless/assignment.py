@@ -32,6 +32,7 @@ def assign(
     bound: float,
     play: Play | None = None,
     *,
+    disperses: bool = False,
     into: dict[str, Material] | None = None,
     where: str = "",
 ) -> list[str]:
@@ -53,7 +54,9 @@ def assign(
         item, index, note = _slot(scene, name, wanted, made)
         chosen = pick_estimator(known, preset) if estimator == "auto" else estimator
         bound_lights = known.to_bind(chosen, preset.model)
-        choice = Choice(backend, chosen, bound_lights, bound=bound, play=play if preset.time else None)
+        choice = Choice(
+            backend, chosen, bound_lights, bound=bound, disperses=disperses, play=play if preset.time else None
+        )
         if into is not None and made is None:  # of its own, though there be another like it
             made = into[name] = bpy.data.materials.new(preset.name)
         give(build(preset, choice, made), item, index, alone=True)

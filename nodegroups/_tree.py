@@ -16,7 +16,7 @@ import bpy
 from ..addon.library.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from bpy.types import Node, NodeSocket
 
@@ -167,6 +167,11 @@ class Tree:
     def output_shader(self, name: str, socket: bpy.types.NodeSocket, *, tip: str) -> None:
         self._socket(name, "OUTPUT", "NodeSocketShader", tip)
         self.node_tree.links.new(socket, self._output.inputs[-2])
+
+    def replace_output(self, index: int, change: Callable[[NodeSocket], NodeSocket]) -> None:
+        """Lead ``change`` of what an output gives to it."""
+        there = self._output.inputs[index]
+        self.node_tree.links.new(change(there.links[0].from_socket), there)
 
     @contextmanager
     def panel(self, name: str) -> Iterator[None]:

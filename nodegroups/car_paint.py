@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..addon.models import label
 from ..addon.models.car_paint import MODEL, SHARE
+from . import eevee
 from .parameters import add_input, renamed
 from .shading_normal import typical_smoothing
 
@@ -32,7 +33,8 @@ def build(
     tree.inputs_of(base, of_base)
     shaders = [tree.nested_with_inputs(base, of_base).outputs[0]]
     if averaged:
-        shaders[0] = tree.weighted(shaders[0], typical_smoothing(tree, tree.input_named("Normal")))
+        smoothing = typical_smoothing(tree, tree.input_named("Normal"))
+        shaders[0] = tree.weighted(shaders[0], eevee.by_closures(tree, smoothing))
     for k in range(1, lobes + 1):
         own = {one.label: label(MODEL.name, f"{one.name}_{k}") for one in MODEL.lobes if one != SHARE}
         with tree.panel(f"Lobe {k}"):

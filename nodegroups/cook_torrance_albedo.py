@@ -39,7 +39,17 @@ def _rows(name: str) -> list[list[tuple[float, float, float]]]:
 
 
 def directional_albedo(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value) -> Value:
-    """E(wo) of the view direction, a share in [0, 1]; of a coloured F its largest channel.
+    """E(wo) of the view direction, a share in [0, 1]; of a coloured F its largest channel."""
+    E = albedo(tree, kind, inputs, N)
+    with tree.frame("At most 1, of all channels"):
+        if E.is_vector:
+            r, g, b = E.xyz
+            E = maximum(maximum(r, g), b)
+        return minimum(E, 1.0)
+
+
+def albedo(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value) -> Value:
+    """E(wo) of the view direction, of a coloured F by channel, up to the fit's error above 1.
 
     E = sum_j weight_j F(cosine_j) over three facets, fitted to the integral of f cos(theta_i) over the hemisphere.
     """
@@ -47,8 +57,4 @@ def directional_albedo(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: V
     cosines, weights = (Value(tree, node.outputs[name]).xyz for name in ("Cosine", "Weight"))
     with tree.frame("Sum of weight F over three facets"):
         F = [fresnel.reflectance(tree, kind, inputs.fresnel, cosine) for cosine in cosines]
-        E = F[0] * weights[0] + F[1] * weights[1] + F[2] * weights[2]
-        if E.is_vector:
-            r, g, b = E.xyz
-            E = maximum(maximum(r, g), b)
-        return minimum(E, 1.0)
+        return F[0] * weights[0] + F[1] * weights[1] + F[2] * weights[2]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import beckmann_d, cook_torrance, ensure, fresnel, vgroove_g
+from . import cook_torrance, ensure, fresnel, vgroove_g
 from ._tree import Number, Tree, Value, dot, greater, length, maximum, normalize, output
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import lit, specular_normal
@@ -47,8 +47,8 @@ def emission(
     lack, negative where they send too much.
     """
     N = specular_normal(tree, inputs.normal)
-    radiance = sum(_radiance(tree, kind, inputs, N, wi, irradiance, carried) for wi, irradiance in beams)
-    emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
+    total = sum(radiance(tree, kind, inputs, N, wi, irradiance, carried) for wi, irradiance in beams)
+    emitted = tree.node("ShaderNodeEmission", Color=total if beams else (0.0, 0.0, 0.0))
     return output(emitted, "Emission")
 
 
@@ -63,10 +63,11 @@ def emission_osl(
     return tree.add_shaders([node.outputs[0] for node in scripts])
 
 
-def _radiance(
+def radiance(
     tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value, wi: Value, irradiance: Value,
-    carried: Callable[[Value, Value], Value] | None,
+    carried: Callable[[Value, Value], Value] | None = None,
 ) -> Value:  # fmt: skip
+    """F D G / (4 (n.v)) E of one lamp, less what is ``carried``."""
     wo = tree.geometry("Incoming")
     with tree.frame("Half vector and cosines"):
         both = wi + wo
@@ -78,15 +79,9 @@ def _radiance(
         G = tree.group(
             ensure(vgroove_g.NAME, vgroove_g.REVISION, vgroove_g.build), **{"n.h": nh, "n.v": no, "n.l": ni, "v.h": vh}
         )
-        f_cos = density(tree, h, N, inputs.m) * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7))
+        f_cos = inputs.density(tree, h, N) * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7))
     if carried is not None:
         f_cos = f_cos - carried(wi, h)
     with tree.frame("Times F"):
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
         return irradiance * F * (f_cos * seen)
-
-
-def density(tree: Tree, h: Value, N: Value, m: Value) -> Value:
-    """Beckmann's D through the nested group."""
-    node = tree.group(ensure(beckmann_d.NAME, beckmann_d.REVISION, beckmann_d.build), h=h, N=N, Slope_m=m)
-    return Value(tree, node.outputs["D"])

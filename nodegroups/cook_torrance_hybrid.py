@@ -38,7 +38,7 @@ def build(tree: Tree, kind: str, lamps: int = 0) -> None:
 
     def rest(facet: mirror.Facet) -> Value:
         with tree.frame("What c times the mixture leaves of D G / (4 n.v)"):
-            f_cos = direct.density(tree, facet.h, N, inputs.m) * facet.G / (4.0 * facet.no)
+            f_cos = inputs.density(tree, facet.h, N) * facet.G / (4.0 * facet.no)
             return maximum(1.0 - carried(facet.wi, facet.h) / f_cos, 0.0)
 
     shaders = [tree.weighted(fit.shader(tree, kind, inputs), c), mirror.facet(tree, kind, inputs, rest)]

@@ -15,7 +15,6 @@ from . import cook_torrance_direct as direct
 from ._tree import Tree, clamp, dot, maximum, minimum, output, scale, vector
 from .lamp_beams import beam_interfaces
 from .shading_normal import specular_normal
-from .visible_facet import visible_facet
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,7 +62,7 @@ def facet(
     """
     N = specular_normal(tree, inputs.normal)
     wo = tree.geometry("Incoming")
-    h = visible_facet(tree, N, wo, inputs.m)
+    h = inputs.facet(tree, N, wo)
     with tree.frame("Weight F G2 / G1"):
         vh = clamp(dot(wo, h))
         wi = scale(h, 2.0 * vh) - wo

@@ -17,12 +17,17 @@ NAME = "VGroove Fit Table"
 REVISION = 2
 
 
-def ensure() -> bpy.types.Image:
-    """The image at this revision; made if this .blend has none, or only one of another revision."""
+def find() -> bpy.types.Image | None:
+    """The image at this revision; None if this .blend has none, or only one of another revision."""
     for image in bpy.data.images:
         if image.name.split(".")[0] == NAME and image.get(REVISION_KEY) == REVISION and image.library is None:
             return image
-    return _make()
+    return None
+
+
+def ensure() -> bpy.types.Image:
+    """The image at this revision, made where there is none."""
+    return find() or _make()
 
 
 def nodes_without_table() -> list[bpy.types.ShaderNodeTexImage]:

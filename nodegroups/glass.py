@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..addon.models.glass import MODEL, TINT
+from ..addon.models.glass import ABBE, MODEL, TINT
 from . import fresnel, osl_script, shading_normal
 from ._tree import Value, clamp, dot, output, select, vector
 from .parameters import add_input
@@ -81,6 +81,19 @@ def smooth_interface(tree: Tree, inputs: Inputs, *, thin: bool) -> NodeSocket:
     eta = inputs.eta if thin else index_ahead(tree, inputs.eta)
     F = reflectance(tree, clamp(dot(N, tree.geometry("Incoming"))), eta, thin=thin)
     return split(tree, N, F, 1.0 - F, inputs, thin=thin)
+
+
+def dispersive_interface(tree: Tree, inputs: Inputs, roughness: Value | float) -> NodeSocket:
+    """Cycles' Principled, the one node that disperses: GGX where it is rough, and at m = 0 the same interface.
+
+    It takes the root of its colour at each of a body's surfaces.
+    """
+    node = tree.node(
+        "ShaderNodeBsdfPrincipled", distribution="GGX", Base_Color=inputs.tint * inputs.tint, Roughness=roughness,
+        IOR=inputs.eta, Normal=inputs.normal, Transmission_Weight=1.0, Transmission_Dispersion_Scale=1.0,
+        Transmission_Dispersion_Abbe_Number=add_input(tree, ABBE),
+    )  # fmt: skip
+    return output(node, "BSDF")
 
 
 def script(tree: Tree, estimator: str, inputs: Inputs, *, thin: bool) -> NodeSocket:

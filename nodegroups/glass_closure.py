@@ -22,9 +22,14 @@ REVISION = 3
 TINT_TIP = "Multiplies what passes; on rough glass as nodes also what is reflected"
 
 
-def build(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
-    """``thin``: a sheet, whose facets are panes. ``smooth``: m = 0, without Slope m."""
-    if smooth:
+def build(tree: Tree, *, thin: bool = False, smooth: bool = False, disperses: bool = False) -> None:
+    """``thin``: a sheet, whose facets are panes. ``smooth``: m = 0, without Slope m. ``disperses``: by Abbe number."""
+    if disperses and smooth:
+        shader = glass.dispersive_interface(tree, glass.smooth_inputs(tree), 0.0)
+    elif disperses:
+        rough = glass.rough_inputs(tree, native=True, tint_tip=TINT_TIP)
+        shader = glass.dispersive_interface(tree, rough, sqrt(rough.m))
+    elif smooth:
         shader = glass.smooth_interface(tree, glass.smooth_inputs(tree), thin=thin)
     elif thin:
         shader = _sheet(tree, glass.rough_inputs(tree, native=True))

@@ -21,9 +21,14 @@ NAME = "VGroove Glass Mirror"
 REVISION = 5
 
 
-def build(tree: Tree, *, thin: bool = False, smooth: bool = False) -> None:
-    """``thin``: a sheet, whose facets are panes. ``smooth``: m = 0, without Slope m and random numbers."""
-    if smooth:
+def build(tree: Tree, *, thin: bool = False, smooth: bool = False, disperses: bool = False) -> None:
+    """``thin``: a sheet, whose facets are panes. ``smooth``: m = 0, without Slope m and random numbers.
+
+    ``disperses``: by an Abbe number, where it is smooth.
+    """
+    if smooth and disperses:
+        shader = glass.dispersive_interface(tree, glass.smooth_inputs(tree), 0.0)
+    elif smooth:
         shader = glass.smooth_interface(tree, glass.smooth_inputs(tree), thin=thin)
     else:
         shader = facet(tree, glass.rough_inputs(tree), thin=thin)

@@ -71,19 +71,33 @@ def weights(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[Value, Va
     with tree.frame("The polynomials of the table, all at once"):
         at_once = horner(list(zip(of.albedo, of.retro, of.native, strict=True)), x)
         of_albedo, of_retro, single = at_once.rgb
-    with tree.frame("The 1994 model's albedo"):
-        s2, rho = inputs.sigma * inputs.sigma, inputs.albedo
-        facing = s2 / (s2 + 0.09)
-        flat = oren_nayar.C1(s2)
-        if kind == "full":
-            flat = flat + rho * (0.17 * s2 / (s2 + 0.13))
-        energy = minimum(tree.math("MULTIPLY_ADD", rho * facing, of_albedo, rho * flat), 1.0)
+    energy, facing = _energy(tree, kind, inputs, of_albedo)
+    rho = inputs.albedo
     with tree.frame("Retro-reflection, and what albedo it has"):
         retro = rho * facing * of_retro
         lost = tree.math("MULTIPLY_ADD", single, -MEAN, MEAN)
         again = retro ** oren_nayar_power() * lost / tree.math("MULTIPLY_ADD", retro, MEAN - 1.0, 1.0)
         lambert = maximum(energy - tree.math("MULTIPLY_ADD", retro, single, again), 0.0)
     return lambert, retro
+
+
+def _energy(tree: Tree, kind: str, inputs: oren_nayar.Inputs, of_albedo: Value) -> tuple[Value, Value]:
+    """The 1994 model's albedo, of the polynomial for it; and s2/(s2 + 0.09)."""
+    with tree.frame("The 1994 model's albedo"):
+        s2, rho = inputs.sigma * inputs.sigma, inputs.albedo
+        facing = s2 / (s2 + 0.09)
+        flat = oren_nayar.C1(s2)
+        if kind == "full":
+            flat = flat + rho * (0.17 * s2 / (s2 + 0.13))
+        return minimum(tree.math("MULTIPLY_ADD", rho * facing, of_albedo, rho * flat), 1.0), facing
+
+
+def albedo(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> Value:
+    """The 1994 model's directional albedo E(wo), RGB."""
+    x = half_tangent(tree, shading_normal(tree, inputs.normal))
+    with tree.frame("The table's polynomial"):
+        of_albedo = horner(table(kind).albedo, x)
+    return _energy(tree, kind, inputs, of_albedo)[0]
 
 
 def half_tangent(tree: Tree, N: Value) -> Value:

@@ -11,15 +11,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..addon.models.sum import AT_MOST_ONE, COUPLED, MODEL, D, S
-from . import cook_torrance, cook_torrance_albedo
+from . import cook_torrance, cook_torrance_albedo, eevee
 from .parameters import add_input, renamed
-from .shading_normal import specular_normal, typical_smoothing
+from .shading_normal import typical_smoothing
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     import bpy
 
-    from ..addon.models import Form
+    from ..addon.models import Form, Model
     from ._tree import Tree, Value
+
+    Seen = Callable[[Tree, str, Mapping[str, str]], tuple[cook_torrance.Inputs, Value]]
 
 NAME = "VGroove Sum"
 REVISION = 7
@@ -27,23 +31,23 @@ REVISION = 7
 
 def build(
     tree: Tree, diffuse: bpy.types.ShaderNodeTree, specular: bpy.types.ShaderNodeTree, coupled: str | None = None,
-    *, averaged: bool = False,
+    *, averaged: bool = False, spec: Model = MODEL, seen: Seen = cook_torrance.seen,
 ) -> None:  # fmt: skip
     """``coupled``: the kind of the specular part's Fresnel term, where the diffuse part gets what that leaves.
 
     ``averaged``: the diffuse part gets a share in place of Cycles' bump smoothing, which is off as specular lobes lean.
+    ``spec``, ``seen``: of the model, if it is a sum of other parts, and what its specular part is to the viewer.
     """
     d, s = weights(tree, coupled=coupled is not None)
-    names = {name: renamed(MODEL.name, model) for name, model in MODEL.parts}
+    names = {name: renamed(spec.name, model) for name, model in spec.parts}
     tree.inputs_of(diffuse, names["diffuse"])
     tree.inputs_of(specular, names["specular"])
     if coupled is not None:
-        inputs = cook_torrance.inherited_inputs(tree, coupled, names["specular"])
-        E = cook_torrance_albedo.directional_albedo(tree, coupled, inputs, specular_normal(tree, inputs.normal))
+        E = cook_torrance_albedo.directional_albedo(tree, coupled, *seen(tree, coupled, names["specular"]))
         with tree.frame("What the specular part leaves"):
             d = d * (1.0 - s * E)
     if averaged:
-        d = d * typical_smoothing(tree, tree.input_named("Normal"))
+        d = d * eevee.by_closures(tree, typical_smoothing(tree, tree.input_named("Normal")))
     shaders = []
     for part, name, weight in ((diffuse, "diffuse", d), (specular, "specular", s)):
         with tree.frame(part.name):

@@ -16,27 +16,31 @@ from ..addon.models.translucent import MEAN_FREE_PATH, MODEL, REFLECTANCE
 from . import cook_torrance, cook_torrance_albedo
 from ._tree import Tree, output
 from .parameters import add_input, renamed
-from .shading_normal import specular_normal, typical_smoothing
+from .shading_normal import typical_smoothing
 
 if TYPE_CHECKING:
     import bpy
 
-    from ..addon.models import Form
+    from ..addon.models import Form, Model
+    from .sum import Seen
 
 NAME = "VGroove Translucent"
 REVISION = 7
 
 
-def build(tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *, averaged: bool = False) -> None:
+def build(
+    tree: Tree, coat: bpy.types.ShaderNodeTree, kind: str, *,
+    averaged: bool = False, spec: Model = MODEL, seen: Seen = cook_torrance.seen,
+) -> None:  # fmt: skip
     """``coat``: the group of the coat by the estimator; ``kind``: of its Fresnel term.
 
     ``averaged``: with what Bump Map Correction does to the body, where it is off as the coat's lobes lean.
+    ``spec``, ``seen``: of the model, if its coat is another, and what that is to the viewer.
     """
     color, path = add_input(tree, REFLECTANCE), add_input(tree, MEAN_FREE_PATH)
-    names = renamed(MODEL.name, "cook_torrance")
+    names = renamed(spec.name, dict(spec.parts)["specular"])
     tree.inputs_of(coat, names)
-    inputs = cook_torrance.inherited_inputs(tree, kind, names)
-    N = specular_normal(tree, inputs.normal)
+    inputs, N = seen(tree, kind, names)
     E = cook_torrance_albedo.directional_albedo(tree, kind, inputs, N)
     with tree.frame("Below the surface"):
         radius, normal = path * (4.0 * pi, 4.0 * pi, 4.0 * pi), N if averaged else inputs.normal

@@ -55,6 +55,8 @@ cycles.set_version(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
 LEAN_STACK = since(5, 0)
 # Shader nodes can trace a ray (5.1): the Raycast node.
 RAYCAST = hasattr(bpy.types, "ShaderNodeRaycast")
+# Cycles' Principled bends each wavelength by an Abbe number (5.3); its Glass and Refraction nodes do not.
+DISPERSES = since(5, 3)
 # EEVEE evaluates a shader once per light (5.3): the Light Accumulation node.
 LIGHT_NODES = hasattr(bpy.types, "ShaderNodeLightAccumulation")
 # The base class of what USD exports call; None where a Blender was built without USD.

@@ -24,15 +24,17 @@ def beckmann_tangent(u: Value, m: Value) -> Value:
 
 
 def visible_facet(
-    tree: Tree, N: Value, wo: Value, m: Value, tangent: Callable[[Value, Value], Value] = beckmann_tangent
-) -> Value:
+    tree: Tree, N: Value, wo: Value, m: Value, tangent: Callable[[Value, Value], Value] = beckmann_tangent,
+    *, axes: tuple[Value, Value] | None = None,
+) -> Value:  # fmt: skip
     """h by D(h) (n.h), swapped for its dual across the groove where the view rather sees that.
 
-    tangent: (u, m) -> tan of the angle between h and N, of another D.
+    tangent: (u, m) -> tan of the angle between h and N, of another D. axes: along the surface, each as long as its
+    slope is in units of m; any two unit vectors if left out.
     """
     u1, u2, u3 = random_numbers(tree, stream("FACET"))
     with tree.frame("Facet h by D(h) (n.h), and its dual across the groove"):
-        T, B = tangents(N)
+        T, B = axes or tangents(N)
         tan = tangent(u1, m)
         phi = 2.0 * pi * u2
         lean = scale(T, tan * cos(phi)) + scale(B, tan * sin(phi))

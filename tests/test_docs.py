@@ -91,6 +91,7 @@ GIVEN = {
         "| −5.5 % | −2.5 % | +5 % | +32 % |": "what tests/blender/test_bump.py measures",
         "| −6 % | −4.5 % | −0.5 % | +17 % |": "what tests/blender/test_bump.py measures",
         "is 30 % too bright": "what tests/blender/test_bump.py measures",
+        "within 0.5 % of the peak": "a bar of tests/blender/test_eevee.py",
     },
     "docs/glass.md": {"R + T = 1 to 1e-4": "a bar of tests/models/test_glass.py"},
     "docs/oren_nayar.md": {

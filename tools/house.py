@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parent.parent
 LEVELS = (
-    ("reference",), ("models",), ("library",), ("nodegroups",), ("blender",), ("choose",), ("ui", "headless"),
-    ("lab", "batch"), ("cli",),
+    ("reference",), ("models",), ("library",), ("measured",), ("nodegroups",), ("blender",), ("choose",),
+    ("ui", "headless"), ("lab", "batch"), ("cli",),
 )  # fmt: skip
 LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}
-SHIPPED = ("reference", "models", "library", "nodegroups", "blender", "choose", "ui")  # what Blender loads
+SHIPPED = ("reference", "models", "library", "measured", "nodegroups", "blender", "choose", "ui")  # what Blender loads
 MODELS = tuple(path.stem for path in (ROOT / "addon" / "models").glob("*.py") if "MODEL = Model(" in path.read_text())
 ESTIMATORS = {"closure", "fit", "mirror", "direct", "corrected", "hybrid"}
 LONGEST_FUNCTION, LONGEST_FILE = 60, 450

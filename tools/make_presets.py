@@ -13,7 +13,18 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from optical_constants import ABSORBING, AT, Constants, absorption, constants, effective, reflectance, table, targets
+from optical_constants import (
+    ABSORBING,
+    AT,
+    Constants,
+    abbe_of,
+    absorption,
+    constants,
+    effective,
+    reflectance,
+    table,
+    targets,
+)  # fmt: skip
 
 from vgroove.addon.library import writing as preset_files
 from vgroove.addon.library.presets import FOLDER
@@ -26,7 +37,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-LOOK = "m is a look"
+LOOK, LOOKS = "m is a look", "m and anisotropy are looks"
 M_METAL, RANGE_METAL = 0.15, (0.0, 0.6)
 M_PLASTIC, RANGE_PLASTIC = 0.15, (0.0, 0.5)
 # m of a finish, and slopes that still look like it: all chosen by eye
@@ -38,6 +49,14 @@ FINISHES = {
 }
 FINISHED = ["aluminium", "brass", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium"]
 FINISHED += ["stainless steel", "purple gold AuAl2"]
+# m, anisotropy and slopes that suit, by eye: of grooves along the UV map's u axis, and of those around the Z axis
+GROOVED = {
+    "hair-line": (0.18, 0.85, (0.1, 0.3)),
+    "ground": (0.25, 0.6, (0.15, 0.4)),
+    "rolled": (0.08, 0.7, (0.04, 0.15)),
+}
+TURNED = {"turned": (0.1, 0.9, (0.05, 0.2)), "spun": (0.15, 0.8, (0.1, 0.25))}
+ALONG = 0.25  # turns: the rougher direction is across the grooves
 TAGS = {
     "metals": ["metal"],
     "metals_by_source": ["metal"],
@@ -179,15 +198,23 @@ def metals() -> Iterator[tuple[str, str]]:
     for name in FINISHED:
         for finish, (m, m_range) in FINISHES.items():
             yield conductor(constants()[name], "finished_metals", f"{name}, {finish}", m, m_range)
+    for name in FINISHED[:-1]:
+        for finish, (m, anisotropy, m_range) in (GROOVED | TURNED).items():
+            grooves: dict[str, object] = {"radial": finish in TURNED, "anisotropy": anisotropy, "rotation": ALONG}
+            yield conductor(constants()[name], "finished_metals", f"{name}, {finish}", m, m_range, grooves)
 
 
-def conductor(material: Constants, family: str, name: str, m: float, m_range: tuple[float, float]) -> tuple[str, str]:
+def conductor(
+    material: Constants, family: str, name: str, m: float, m_range: tuple[float, float],
+    grooves: dict[str, object] | None = None,
+) -> tuple[str, str]:  # fmt: skip
     n, k = effective(material)
-    trust = f"n and k are {material.method}; {missed(material)}; {LOOK}"
+    trust = f"n and k are {material.method}; {missed(material)}; {LOOKS if grooves else LOOK}"
     tagged = "metals" if family == "finished_metals" else family
     finish = name.removeprefix(material.material).strip(", ")
-    values = described(tagged, material.material, "cook_torrance", (finish,) if finish else ())
-    values |= {"name": title(name), "m": m, "m_range": m_range}
+    tags = (finish, "brushed") if grooves else (finish,) if finish else ()
+    values = described(tagged, material.material, "anisotropic" if grooves else "cook_torrance", tags)
+    values |= {"name": title(name), "m": m, "m_range": m_range} | (grooves or {})
     verified = {"f0": Conductor(n, k)(1.0)}
     tables = {"fresnel": {"n": n, "k": k}, "source": cited(material, trust), "verified": verified}
     return identity_of(family, name), text_of(values, **tables)
@@ -231,6 +258,7 @@ def transparent() -> Iterator[tuple[str, str]]:
         values = described(material.family, material.material, "glass") | {"m": 0.0, "m_range": (0.0, 0.5)}
         eta = float(f"{material.n_d:.6g}")  # as the file holds it
         values |= {"eta": eta} | ({} if colours is None else {"absorption": colours})
+        values |= {"abbe": material.abbe} if material.abbe else {}
         yield (
             identity_of(material.family, material.material),
             text_of(values, source=cited(material, trust), verified=head_on(eta)),
@@ -250,6 +278,11 @@ def single_indices() -> Iterator[tuple[str, str]]:
             trust = f"eta is quoted, not traced to a measurement; {passes}; m = 0 is an ideal polish"
             values = described(row["family"], row["material"], "glass") | {"m": 0.0, "m_range": (0.0, 0.5), "eta": n}
             values |= {"tint": tint_of(colour)} if colour else {}
+            if row["dispersion"]:
+                values["abbe"] = float(f"{abbe_of(n, float(row['dispersion'])):.2g}")
+                trust += (
+                    "; abbe follows by Cauchy's formula from the dispersion between 686.7 and 430.8 nm that is quoted"
+                )
             tables = {"source": source | {"trust": trust}, "verified": head_on(n)}
         else:
             trust = f"eta is quoted, not traced to a measurement; colour is chosen; {LOOK}"

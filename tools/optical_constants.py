@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 DATA = Path(__file__).parent / "data"
 WAVELENGTHS = np.arange(380, 781, 5)  # nm
+LINE_C, LINE_F = 656.3, 486.1  # nm: Fraunhofer's, of Abbe's number
+LINE_B, LINE_G = 686.7, 430.8  # of gems' dispersion
 EDGE = float(np.cos(np.radians(82.0)))
 AT = (1.0, EDGE)  # the cosines where reflectance is matched
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of Rec.709: ITU-R BT.709-6, item 3.2
@@ -51,6 +53,7 @@ class Constants:
     author_year: str
     reference: str
     n_d: float
+    abbe: float | None
     extrapolated: float
     method: str
 
@@ -71,7 +74,7 @@ def constants() -> dict[str, Constants]:
     for row in table("optical_sources"):
         name, n = row["material"], spectra[row["material"], "n"]
         k = spectra.get((name, "k"))
-        numbers = float(row["n_d"] or n[WAVELENGTHS == 590][0]), float(row["extrapolated"])
+        n_d = float(row["n_d"] or n[WAVELENGTHS == 590][0])
         found[name] = Constants(
             name,
             n,
@@ -81,7 +84,9 @@ def constants() -> dict[str, Constants]:
             row["page"],
             row["author_year"],
             row["reference"],
-            *numbers,
+            n_d,
+            float(row["abbe"]) if row["abbe"] else None,
+            float(row["extrapolated"]),
             row["method"],
         )
     return found
@@ -95,6 +100,12 @@ def weights() -> NDArray[np.float64]:
     light = colour.SDS_ILLUMINANTS["D65"].copy().align(shape).values
     rgb = (observer * light[:, None]) @ colour.RGB_COLOURSPACES["ITU-R BT.709"].matrix_XYZ_to_RGB.T
     return rgb / rgb.sum(axis=0)
+
+
+def abbe_of(n_d: float, from_b_to_g: float) -> float:
+    """The Abbe number by Cauchy's formula n = A + B / wavelength^2 from n at 430.8 nm (G) less n at 686.7 nm (B)."""
+    per_c, per_f, per_b, per_g = (1.0 / nm**2 for nm in (LINE_C, LINE_F, LINE_B, LINE_G))
+    return (n_d - 1.0) / (from_b_to_g * (per_f - per_c) / (per_g - per_b))
 
 
 def reflectance(material: Constants, cosine: float) -> NDArray[np.float64]:

@@ -5,7 +5,9 @@ python tools/previews.py                      all that are missing, or made of a
 python tools/previews.py --all                all, anew
 python tools/previews.py metals/gold water    those alone, anew
 
-``addon/blender/studio.py`` is the scene. previews/digests.json says what each picture was made of: a run that was
+python tools/previews.py --pixels 80 --folder build/look      small ones, in a tenth of the time, to look at
+
+``addon/blender/studio.py`` is the scene. FOLDER/digests.json says what each picture was made of: a run that was
 interrupted resumes.
 """
 
@@ -28,19 +30,22 @@ from vgroove.addon.blender import shapes, studio  # noqa: E402 - after prepare()
 from vgroove.addon.choose import picture  # noqa: E402
 from vgroove.addon.library import presets  # noqa: E402
 from vgroove.addon.library.files import write_text  # noqa: E402
+from vgroove.lab.bench.digest import source  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 FOLDER = Path(__file__).parent.parent / "previews"
 DIGESTS = "digests.json"
-STUDIO = b"".join(Path(module.__file__ or "").read_bytes() for module in (shapes, studio, picture))
+STUDIO = "".join(source(Path(module.__file__ or "")) for module in (shapes, studio, picture))
+UNSEEN = {"abbe"}  # parameters that a picture does not show: dispersion is off unless asked for
 
 
 def digest(preset: presets.Preset) -> str:
-    """Of what a picture shows: its preset's file, and the code of the studio."""
-    content = (presets.FOLDER / f"{preset.id}.toml").read_bytes()
-    return hashlib.sha256(STUDIO + content).hexdigest()[:16]
+    """Of what a picture shows: the preset's shape, model and numbers, and the code of the studio."""
+    numbers = sorted((name, value) for name, value in preset.parameters.items() if name not in UNSEEN)
+    shown = studio.shape_of(preset), preset.model, preset.kind, preset.flags, numbers, preset.time
+    return hashlib.sha256(f"{STUDIO}{shown}".encode()).hexdigest()[:16]
 
 
 def read_digests(folder: Path) -> dict[str, str]:
@@ -66,12 +71,14 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="PRESET")
     parser.add_argument("--all", action="store_true", help="every preset, also where the picture is new enough")
     parser.add_argument("--folder", type=Path, default=FOLDER)
+    parser.add_argument("--pixels", type=int, default=studio.PIXELS, help="width and height")
     arguments = parser.parse_args()
     folder, start, cpu = arguments.folder, time.perf_counter(), time.process_time()
     chosen = wanted(arguments.names, folder, everything=arguments.all)
     known = read_digests(folder)
     with headless.quiet():
         shown = studio.scene()
+    shown.render.resolution_x = shown.render.resolution_y = arguments.pixels
     with Progress() as progress:
         for preset in progress.track(chosen, description="previews"):
             with headless.quiet():

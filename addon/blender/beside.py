@@ -81,6 +81,14 @@ def alpha(made: Material) -> tuple[NodeSocket, bool] | None:
     return (shown.inputs[0], is_inverse(shown)) if shown is not None else None
 
 
+def set_alpha(made: Material, alpha: float) -> None:
+    """Mix Transparent with what every output shows, by the share 1 - ``alpha``; nothing is added for a share of 0."""
+    if alpha < 1.0:
+        add(made, roles.CLEAR)
+    for mix in joints(made, roles.CLEAR):
+        mix.inputs[0].default_value = 1.0 - alpha if is_inverse(mix) else alpha
+
+
 def metalness(made: Material) -> NodeSocket | None:
     """The input of the metalness map; None without one."""
     shown = _shown(made, roles.METALNESS)

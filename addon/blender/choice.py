@@ -70,6 +70,7 @@ class Choice:
     lamps: those that are evaluated by the formula: all of ``direct`` and ``corrected``, and beside ``mirror`` and
     ``hybrid`` those of zero size, which no ray can hit. shadows: whether these lamps cast any.
     bound: how much of the directional albedo ``hybrid`` may have wrong.
+    disperses: whether clear bodies bend each colour by their Abbe number, where it is known and Cycles can (5.3).
     play: how the course of a preset that changes is played; without it the material stands still, at the start.
     """
 
@@ -78,6 +79,7 @@ class Choice:
     lamps: tuple[Light, ...] = ()
     shadows: bool = True
     bound: float = DEFAULT_BOUND
+    disperses: bool = False
     play: Play | None = None
 
     def __post_init__(self) -> None:

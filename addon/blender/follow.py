@@ -12,7 +12,7 @@ from .material import bindable, bound_slots
 from .rebuild import rebuild
 
 if TYPE_CHECKING:
-    from bpy.types import Depsgraph, Material, Scene
+    from bpy.types import Depsgraph, Scene
 
 HANDLERS = ("load_post", "undo_post", "redo_post")
 
@@ -25,18 +25,13 @@ def refresh(scene: Scene) -> None:
     if scene.library is not None or not any(map(bound_slots, bpy.data.materials)):
         return
     lights = lamps.follow(scene)
-    for made in _used(scene):
+    for made in lamps.materials_in(scene):
         record = origin.read(made)
         if record is None or not record.lights or made.library is not None or made.override_library is not None:
             continue
         wanted = {str(light.slot) for light in bindable(lights, record.estimator, record.preset.model)}
         if bound_slots(made) and not wanted <= bound_slots(made):
             rebuild(made, scene)
-
-
-def _used(scene: Scene) -> set[Material]:
-    slots = (slot for item in lamps.rendered(scene) for slot in item.material_slots)
-    return {slot.material for slot in slots if slot.material}
 
 
 def register() -> None:

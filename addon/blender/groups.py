@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from functools import partial
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ... import nodegroups
-from ...nodegroups import absorption, eevee, fit_table
+from ...nodegroups import absorption, eevee, fit_table, versions
 from ..models import MODELS
 from ..models.estimators import NATIVE
 from .choice import Choice, MaterialError, binds
@@ -29,6 +30,14 @@ def module_of(model: str, estimator: str) -> ModuleType:
     return import_module(f".{name}", nodegroups.__name__)
 
 
+def formula_of(model: str) -> ModuleType | None:
+    """The module that builds a model's formula for EEVEE's lights, if it has one."""
+    name = f".{model}_eevee"
+    there = versions.LIGHT_NODES and find_spec(name, nodegroups.__name__)
+    return import_module(name, nodegroups.__name__) if there else None
+
+
+FORMULAS = {name: formula_of(name) for name in MODELS}
 # By model and estimator
 BUILDERS = {name: {one: module_of(name, one) for one in model.estimators} for name, model in MODELS.items()}
 
@@ -43,12 +52,16 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.lamps and not binds("direct", 0.0, preset.model):
         message = f"{preset.id} is {preset.model}, which evaluates no lamps by itself; leave lamps empty"
         raise MaterialError(message)
-    fit_table.restore()  # groups that are there already may have lost it
+    if fit_table.find() is None:
+        fit_table.restore()  # an artist may have deleted it from groups that are there already
     module, spec = known[choice.estimator], preset.spec
     form = import_module(f".{preset.model}", nodegroups.__name__)
     parts = {name: group_of(part, choice) for name, part in preset.parts().items()}
     label, arguments = form.variant(preset, choice.estimator, parts) if parts else form.variant(preset)
-    build_group = module.build_osl if choice.backend == "osl" and not parts else module.build
+    spreads = disperses(preset, choice)
+    if spreads:
+        label, arguments = f"{label} Dispersive".strip(), arguments | {"disperses": True}
+    build_group = module.build_osl if choice.backend == "osl" and not (parts or spreads) else module.build
     if not (parts or spec.transparent or choice.estimator in NATIVE):
         arguments["lamps"] = len(choice.lamps)
     label = f"{module.NAME} {label}".strip()
@@ -56,8 +69,20 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
         label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
     build = partial(build_group, **arguments)
     if choice.backend == "osl" or choice.estimator not in NATIVE:
-        build = partial(_with_eevee, build, group_of(preset, Choice("nodes", "closure")))
+        build = partial(_with_closure, build, group_of(preset, Choice("nodes", "closure")))
+    elif (formula := FORMULAS[preset.model]) is not None:
+        name = f"{formula.NAME} {form.variant(preset)[0]}"
+        shown = nodegroups.ensure(name, formula.REVISION, partial(formula.build, **arguments))
+        build = partial(_with_formula, build, shown)
     return nodegroups.ensure(label + suffix(choice), module.REVISION, build)
+
+
+def disperses(preset: Preset, choice: Choice) -> bool:
+    """Whether a material bends each colour by itself. Of a rough one by random facets none does."""
+    return (
+        choice.disperses and versions.DISPERSES and preset.can_disperse
+        and (preset.is_smooth or choice.estimator in NATIVE)
+    )  # fmt: skip
 
 
 def absorption_group() -> ShaderNodeTree:
@@ -70,6 +95,11 @@ def suffix(choice: Choice) -> str:
     return " (OSL)" if choice.backend == "osl" else ""
 
 
-def _with_eevee(build_group: Callable[[Tree], None], closure: ShaderNodeTree, tree: Tree) -> None:
+def _with_closure(build_group: Callable[[Tree], None], closure: ShaderNodeTree, tree: Tree) -> None:
     build_group(tree)
     eevee.add_closure(tree, closure)
+
+
+def _with_formula(build_group: Callable[[Tree], None], formula: ShaderNodeTree, tree: Tree) -> None:
+    build_group(tree)
+    eevee.add_formula(tree, formula)

@@ -30,7 +30,7 @@ from ...nodegroups.lamp import AREAS, RIG, Slot
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bpy.types import Collection, LayerCollection, NodeTree, Object, Scene
+    from bpy.types import Collection, LayerCollection, Material, NodeTree, Object, Scene
 
 LIMIT = 8
 SMALLEST_SPREAD = 0.0175  # radians, 1 degree: below, hardly any random point on the lamp sends light
@@ -208,6 +208,12 @@ def rendered(scene: Scene) -> set[Object]:
             layer.update()
     roots = [layer.layer_collection for layer in layers]
     return {item for root in roots for item in _inside(root)}
+
+
+def materials_in(scene: Scene) -> set[Material]:
+    """The materials of what a scene renders."""
+    slots = (slot for item in rendered(scene) for slot in item.material_slots)
+    return {slot.material for slot in slots if slot.material}
 
 
 def _inside(of: LayerCollection) -> Iterator[Object]:

@@ -51,7 +51,8 @@ __all__ = [  # the front of this room: what others need of a material, they take
     "Choice", "MaterialError", "Origin", "absorbs", "absorption_group", "add_model", "animate", "bind_lights",
     "bindable", "binds", "bound_slots", "build", "curves", "fill", "group_of", "is_edited", "is_ours", "lamps_to_bind",
     "locked", "numbers_of", "origin_of", "parameter_sockets", "play", "plays", "preset_of", "record_of", "set_up",
-    "show_in_eevee", "show_in_solid_view", "state_of", "stop", "to_preset", "upgrade", "values_of", "write_numbers",
+    "show_in_eevee", "show_in_solid_view", "state_of", "stop", "to_preset", "upgrade", "values_of",
+    "write_numbers",
 ]  # fmt: skip
 
 
@@ -91,7 +92,10 @@ def build(preset: Preset, choice: Choice, into: Material | None = None) -> Mater
 def record_of(preset: Preset, choice: Choice) -> Record:
     """What a material of ``preset`` by ``choice`` remembers."""
     lights = tuple(str(one.slot) for one in choice.lamps)
-    return Record(preset, choice.backend, choice.estimator, choice.bound, choice.shadows, lights, choice.play)
+    disperses = choice.disperses and preset.can_disperse  # also in a Blender that cannot, for one that can
+    return Record(
+        preset, choice.backend, choice.estimator, choice.bound, choice.shadows, lights, choice.play, disperses=disperses
+    )
 
 
 def _is_built_so(material: Material, record: Record, group: ShaderNodeTree) -> bool:

@@ -46,6 +46,7 @@ class Record:
     lights: tuple[Any, ...]
     play: Play | None
     state: str = ""
+    disperses: bool = False
 
     def dumps(self) -> str:
         return json.dumps({"format": FORMAT} | asdict(self))
@@ -56,7 +57,9 @@ class Record:
         preset = [of.id, of.name, of.model, of.kind, of.flags, of.parameters, *map(asdict, of.distribution)]
         course = [asdict(self.play), of.time and asdict(of.time)] if self.play else None
         bound = self.bound if self.estimator == "hybrid" else None
-        return json.dumps([preset, self.backend, self.estimator, bound, self.shadows, self.lights, course])
+        return json.dumps(
+            [preset, self.backend, self.estimator, bound, self.shadows, self.lights, course, self.disperses]
+        )
 
 
 def read(material: Material) -> Record | None:
@@ -85,8 +88,9 @@ def _read(text: str, state: str, course: str, label: str) -> Record | None:
         play = kept["play"] and Play(**kept["play"])
         names = ("backend", "estimator", "bound", "shadows", "state")
         record = Record(
-            Preset(**preset), **{name: kept[name] for name in names}, lights=tuple(kept["lights"]), play=play
-        )
+            Preset(**preset), **{name: kept[name] for name in names}, lights=tuple(kept["lights"]), play=play,
+            disperses=bool(kept.get("disperses")),
+        )  # fmt: skip
     except (ValueError, KeyError, TypeError, AttributeError):
         return None
     return record if record.preset.model in MODELS else None

@@ -14,6 +14,7 @@ import bpy
 
 from ... import nodegroups
 from ..models import parameter as known
+from ..models.glass import ABBE
 from ..models.principled import Feed
 from . import beside, colour_space, roles
 from .material import MaterialError, absorbs, origin_of, parameter_sockets
@@ -107,6 +108,9 @@ def _beside(material: Material) -> Iterator[tuple[str, Input]]:
         if (socket := inputs.get(name)) is not None:
             value = float(socket.default_value) if socket.type == "VALUE" else None
             yield name, Input(value, _source(socket))
+    if (abbe := inputs.get(ABBE.label)) is not None:
+        yield "Transmission Dispersion Scale", Input(1.0)
+        yield "Transmission Dispersion Abbe Number", _as_typed(abbe, float(abbe.default_value))
     for name, socket in zip(EMISSION, beside.emission(material) or (), strict=False):
         yield name, _as_typed(socket, (0.0, 0.0, 0.0) if socket.type == "RGBA" else 1.0)
     if (passing := beside.alpha(material)) is not None:

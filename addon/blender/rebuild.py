@@ -18,7 +18,9 @@ from ...nodegroups import eevee, parameters
 from ..models import label, parameter, symbol
 from ..reference import cycles
 from . import colour_space, colour_update, course, fcurves, material, origin, roles
+from .choice import most_lights
 from .inputs import DIGITS, converted_keys, give, scale_of
+from .lamps import materials_in
 from .material import Choice, lamps_to_bind
 
 if TYPE_CHECKING:
@@ -26,8 +28,10 @@ if TYPE_CHECKING:
 
     from bpy.types import Driver, Material, Node, NodeSocket, Scene, ShaderNodeTree
 
+    from ...nodegroups.lamp import Slot
     from ..library.presets import Preset
     from .course import Play
+    from .lamps import Light
     from .origin import Record
 
 UNCHANGED: Any = object()  # the animation stays as it is
@@ -35,7 +39,7 @@ UNCHANGED: Any = object()  # the animation stays as it is
 
 def rebuild(
     made: Material, scene: Scene, *, backend: str | None = None, estimator: str | None = None,
-    bound: float | None = None, play: Play | None = UNCHANGED,
+    bound: float | None = None, disperses: bool | None = None, play: Play | None = UNCHANGED,
 ) -> list[str]:  # fmt: skip
     """Change ``made`` in place by the arguments, and to the lights of ``scene``; what the arguments leave out stays.
 
@@ -44,8 +48,9 @@ def rebuild(
     record = _current(made)
     estimator = estimator or record.estimator
     limit = material.origin_of(made).bound if bound is None else bound
-    lamps = lamps_to_bind(scene, estimator, record.preset.model)
-    choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, record.play)
+    lamps = _lights(made, scene, estimator, record.preset.model)
+    spread = record.disperses if disperses is None else disperses
+    choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, spread, record.play)
     lost = _exchange(made, record.preset, choice)
     changed = material.record_of(record.preset, choice)
     origin.write(made, replace(changed, state=_as_new(record.preset, choice)))
@@ -69,8 +74,8 @@ def as_preset(made: Material, scene: Scene, change: Callable[[Preset], Preset]) 
     preset = change(before.preset)
     if preset == before.preset:
         return []
-    lamps = lamps_to_bind(scene, record.estimator, preset.model)
-    choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound)
+    lamps = _lights(made, scene, record.estimator, preset.model)
+    choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound, record.disperses)
     lost = _exchange(made, preset, choice)
     origin.write(made, replace(material.record_of(preset, choice), state=_as_new(preset, choice)))
     numbers = material.numbers_of(preset)
@@ -119,6 +124,16 @@ def is_of_other_cycles(made: Material) -> bool:
         return False
     preset = kept.preset
     return any(of.spec.of_cycles(kept.estimator, kept.backend) for of in (preset, *preset.parts().values()))
+
+
+def _lights(made: Material, scene: Scene, estimator: str, model: str) -> tuple[Light, ...]:
+    """Those to bind of ``scene``, and beside them, where they fit, those of other scenes that show the material."""
+    others = (one for one in bpy.data.scenes if one != scene and made in materials_in(one))
+    found: dict[Slot, Light] = {}
+    for one in (scene, *others):
+        for light in lamps_to_bind(one, estimator, model):
+            found.setdefault(light.slot, light)
+    return tuple(found.values())[: most_lights(estimator, model)]
 
 
 def _current(made: Material) -> Record:
@@ -222,6 +237,10 @@ def _swap(made: Material, node: Node, group: ShaderNodeTree, preset: Preset) -> 
     node.node_tree = group
     after = nodegroups.inputs(node)
     _fill(tree, group, kept, after)
+    numbers = material.numbers_of(preset)
+    for name, socket in material.parameter_sockets(made).items():
+        if label(preset.model, name) in after.keys() - kept.keys():
+            give(name, socket, numbers[name])
     where = {name: socket.path_from_id() for name, socket in after.items()}
     lost = {path.name for path in paths if not path.lead_to(where.get(path.name, ""))}
     lost |= {name for name, one in kept.items() if one.sources and name not in after}

@@ -54,5 +54,6 @@ def add(tree: ShaderNodeTree, name: str) -> Node:
     estimator = next(one for one in ESTIMATORS if one in preset.spec.estimators)
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree, node.label, node.width = group_of(preset, Choice("nodes", estimator)), entry.label, 220
+    node.show_options = False  # the menu of all node groups, in which this one has an internal name
     write_numbers(node, preset)
     return node

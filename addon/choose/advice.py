@@ -57,8 +57,9 @@ def problems(
 ) -> list[Problem]:
     """What is wrong with a scene for this choice, the gravest first."""
     known = facts.of(scene)
-    found = list(_engine_problems(known.scene, backend))
     spec = MODELS[model]
+    by_nodes = backend == "nodes" and (estimator in NATIVE or (m == 0.0 and estimator == spec.smooth_estimator))
+    found = list(_engine_problems(known.scene, backend, in_eevee=by_nodes))
     if estimator not in spec.estimators:
         others = ", ".join(map(name_of, spec.estimators))
         text = f"This material has no {name_of(estimator)}; choose {others} or Standard"
@@ -202,12 +203,12 @@ def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
             yield Problem(f"stale {made.name}", text, "Update", update)
 
 
-def _engine_problems(scene: Scene, backend: str) -> Iterator[Problem]:
+def _engine_problems(scene: Scene, backend: str, *, in_eevee: bool) -> Iterator[Problem]:
+    """in_eevee: whether EEVEE shows these closures as Cycles renders them."""
     render, cycles = scene.render, scene.cycles
-    if render.engine != "CYCLES":
-        yield Problem(
-            "engine", "The render engine is not Cycles", "Use Cycles", lambda: set_values(render, engine="CYCLES")
-        )
+    if render.engine != "CYCLES" and not (in_eevee and render.engine == versions.EEVEE):
+        text = "EEVEE shows this as Standard" if render.engine == versions.EEVEE else "The render engine is not Cycles"
+        yield Problem("engine", text, "Use Cycles", partial(set_values, render, engine="CYCLES"))
     if backend == "osl" and not bpy.app.build_options.cycles_osl:
         yield Problem("osl-build", "This Blender was built without OSL; choose the backend Nodes")
     elif backend == "osl" and not cycles.shading_system:

@@ -173,7 +173,7 @@ def _inside(tree: NodeTree, known: dict[NodeTree, list[Node]]) -> list[Node]:
     feeding = {node: None for node in ends if node.bl_idname == "ShaderNodeOutputMaterial"}
     while wanted:
         for node in sources.get(wanted.pop(), ()):
-            if node not in feeding:
+            if node not in feeding and not eevee.is_formula(node):
                 feeding[node] = None
                 wanted += node.inputs
     found: list[Node] = []

@@ -98,6 +98,11 @@ class Preset:
         return self.transparent and not self.is_sheet
 
     @property
+    def can_disperse(self) -> bool:
+        """Whether it refracts by a known Abbe number."""
+        return self.refracts and self.parameters.get("abbe", 0.0) != 0.0
+
+    @property
     def lobes(self) -> int:
         """How many lobes it has beside its own numbers; 0 for most models."""
         return sum(base_name(key) != key for key in self.parameters) // max(len(self.spec.lobes), 1)

@@ -109,6 +109,8 @@ def _plain(text: str) -> str:
 
 
 def _singular(word: str) -> str:
-    """One word for "metals" and "metal"; "glass" and "gas" stay."""
-    plural = len(word) > len("gas") and word.endswith("s") and not word.endswith(("ss", "us"))
-    return _spellings().get(word[:-1], word[:-1]) if plural else word
+    """One word for "metals" and "metal", "boxes" and "box", "rubies" and "ruby"; "glass" and "gas" stay."""
+    if len(word) <= len("gas") or not word.endswith("s") or word.endswith(("ss", "us")):
+        return word
+    one = re.sub(r"(?:(?<=x)|(?<=ss|ch|sh))es$|s$", "", re.sub(r"ies$", "ys", word))
+    return _spellings().get(one, one)

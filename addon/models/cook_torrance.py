@@ -17,7 +17,7 @@ def _reference(form: Form, _parts: object) -> CookTorrance | Smooth:
     return Smooth(F) if m == 0.0 else CookTorrance(m, F)
 
 
-def _principled(form: Form) -> principled.Inputs:
+def as_principled(form: Form) -> principled.Inputs:
     """A dielectric without a body below it is black there."""
     if form.kind == "dielectric":
         return principled.interface(form) | {"Base Color": principled.BLACK}
@@ -32,6 +32,6 @@ MODEL = Model(
     has_fresnel=True,
     kinds=fresnel.LABELS,
     reference=_reference,
-    principled=_principled,
+    principled=as_principled,
     most_lights_4_5={"corrected": 4, "direct": 6},
 )

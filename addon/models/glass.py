@@ -16,6 +16,10 @@ ABSORPTION = Parameter(
     "absorption", "Absorption", "Absorption a of red, green and blue light, 1/m; exp(-a d) is left after d metres",
     (0.0, 0.0, 0.0), 0.0, 1e5, unit="1/m", socket="Color", optional=True, in_volume=True,
 )  # fmt: skip
+ABBE = Parameter(
+    "abbe", "Abbe Number", "(n_d - 1) / (n_F - n_C): the smaller, the wider colors spread; 0 spreads none", 0.0,
+    0.0, 1000.0, optional=True, in_volume=True,
+)  # fmt: skip
 
 
 def _reference(form: Form, _parts: object) -> Glass:
@@ -38,7 +42,7 @@ MODEL = Model(
     name="glass",
     label="Glass",
     opening="Transparent ",
-    parameters=(replace(SLOPE, default=0.1), fresnel.ETA, TINT, ABSORPTION),
+    parameters=(replace(SLOPE, default=0.1), fresnel.ETA, TINT, ABSORPTION, ABBE),
     kinds={"interface": "", "thin": "Thin"},
     estimators=("closure", "mirror"),
     reference=_reference,

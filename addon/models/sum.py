@@ -40,16 +40,17 @@ def _flaw(form: Form) -> str:
     return ""
 
 
-def _account(form: Form) -> Iterator[tuple[str, str]]:
+def account(form: Form, specular: str = cook_torrance.MODEL.name) -> Iterator[tuple[str, str]]:
+    """Both parts, and their shares."""
     d, s = form.parameters["d"], form.parameters["s"]
     yield (
         "diffuse part: oren_nayar",
         f"{d:g} of what the specular part leaves" if COUPLED in form.flags else f"{d:g} of the light",
     )
-    yield "specular part: cook_torrance", f"{s:g} of the light"
+    yield f"specular part: {specular}", f"{s:g} of the light"
 
 
-def _principled(form: Form) -> principled.Inputs:
+def as_principled(form: Form) -> principled.Inputs:
     """Under a metal's term a mixture, whose colour is what both send back head-on."""
     d, s = form.parameters["d"], form.parameters["s"]
     below = principled.diffuse(form, d)
@@ -72,9 +73,9 @@ MODEL = Model(
     labels={"sigma": "Diffuse Roughness", "f0": "Specular Color"},
     reference=_reference,
     flaw=_flaw,
-    account=_account,
+    account=account,
     solid=lambda form: form.parameters["albedo"],
-    principled=_principled,
+    principled=as_principled,
     is_diffuse=True,
     most_lights_4_5={"corrected": 5},
 )

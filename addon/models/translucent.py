@@ -31,12 +31,13 @@ def _reference(form: Form, parts: dict[str, Any]) -> Sum:
     return Sum(Lambert(form.parameters["reflectance"]), parts["specular"], 1.0, 1.0, coupled=True)
 
 
-def _account(_form: Form) -> Iterator[tuple[str, str]]:
+def account(_form: Form, coat_of: str = cook_torrance.MODEL.name) -> Iterator[tuple[str, str]]:
+    """The body and its coat."""
     yield "body: Cycles' subsurface scattering", "of the light that the coat lets in; the same for all estimators"
-    yield "coat: cook_torrance", "all of the reflected light"
+    yield f"coat: {coat_of}", "all of the reflected light"
 
 
-def _principled(form: Form) -> principled.Inputs:
+def as_principled(form: Form) -> principled.Inputs:
     """Cycles takes a mean free path of Subsurface Radius * Scale / (4 pi)."""
     return principled.interface(form) | {
         "Base Color": principled.Feed("reflectance"),
@@ -58,9 +59,9 @@ MODEL = Model(
     estimators=("fit", "closure", "corrected", "hybrid", "mirror"),
     reference=_reference,
     flaw=lambda form: coat.flaw("a translucent body", form),
-    account=_account,
+    account=account,
     solid=lambda form: form.parameters["reflectance"],
-    principled=_principled,
+    principled=as_principled,
     is_diffuse=True,
     mirrors=False,
     most_lights_4_5={"corrected": 4},

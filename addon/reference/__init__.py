@@ -6,7 +6,8 @@ light, ``wo`` to the viewer, shape (..., 3). A BRDF value is f(wi, wo) in 1/sr, 
 without the cosine.
 """
 
-from . import cook_torrance_fit, oren_nayar_fit
+from . import anisotropic_fit, cook_torrance_fit, oren_nayar_fit
+from .anisotropic import Anisotropic
 from .car_paint import CarPaint
 from .cook_torrance import CookTorrance, Smooth, cook_torrance, visible_facet
 from .directions import reflect, spherical
@@ -22,6 +23,7 @@ from .trajectory import Exponential, Keys, Logistic, Polynomial, Power, Reciproc
 
 __all__ = [
     "F82",
+    "Anisotropic",
     "CarPaint",
     "Conductor",
     "CookTorrance",
@@ -44,6 +46,7 @@ __all__ = [
     "Sum",
     "Trajectory",
     "albedo",
+    "anisotropic_fit",
     "beckmann_d",
     "cook_torrance",
     "cook_torrance_fit",

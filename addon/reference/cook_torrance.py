@@ -36,11 +36,15 @@ if TYPE_CHECKING:
     from .model import Brdf
 
 
-def cook_torrance(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, G: ArrayLike | None = None) -> Floats:
+def cook_torrance(
+    wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, G: ArrayLike | None = None, *,
+    m_y: ArrayLike | None = None,
+) -> Floats:  # fmt: skip
     """The BRDF f = F(v.h) D(h) G(l, v, h) / (4 (n.l)(n.v)), in 1/sr, RGB.
 
     wi, wo: unit vectors (..., 3), broadcast. m: RMS slope > 0, broadcasts against (...).
     fresnel: ``Schlick``, ``Dielectric`` or ``Conductor``. G: shadowing to use in place of ``vgroove_g(wi, wo)``.
+    m_y: the slope along y, if not that along x.
     Returns float64 (..., 3); 0 unless both directions leave the upper side of the surface.
     Raises ValueError if a vector is not of unit length or m not > 0.
     Source: Cook & Torrance 1982, with 1/4 in place of their 1/pi and D scaled to unit projected area
@@ -49,30 +53,49 @@ def cook_torrance(wi: ArrayLike, wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, 
     wi, wo = as_pair(wi, wo)
     lit = above(wi, wo)
     h = half_vector(wi, wo)
-    D = beckmann_d(h, m)
+    D = beckmann_d(h, m, m_y)
     G = vgroove_g(wi, wo) if G is None else G
     ni, no = np.where(lit, wi[..., 2], 1.0), np.where(lit, wo[..., 2], 1.0)
     F = fresnel(np.where(lit, facet_cosine(wi, wo, h), 1.0))
     return F * np.where(lit, D * (G / ni) / (4.0 * no), 0.0)[..., None]
 
 
-def visible_facet(wo: Floats, m: ArrayLike, u: Floats) -> Floats:
+def visible_facet(wo: Floats, m: ArrayLike, u: Floats, m_y: ArrayLike | None = None) -> Floats:
     """Facet normals of a V-groove surface as ``wo`` sees them, one for each ``u``.
 
     Draws h by D(h) (n.h), then swaps it for the groove's other side h' = (-hx, -hy, hz) with probability
     (v.h')+ / ((v.h)+ + (v.h')+). The density is G1(v, h) D(h) (v.h)+ / (n.v).
 
     wo: unit vectors (..., 3); u: (..., 3) in [0, 1): two for the facet, one for its dual. Returns (..., 3).
+    m_y: the slope along y, if not that along x.
     Source: Heitz & d'Eon 2014, supplemental material (V-cavity model).
     """
-    tan = as_positive(m, "m") * np.sqrt(-np.log1p(-u[..., 0]))
-    phi = 2.0 * np.pi * u[..., 1]
-    h = np.stack([tan * np.cos(phi), tan * np.sin(phi), np.ones_like(tan)], axis=-1)
-    h = h / np.sqrt(1.0 + tan**2)[..., None]
+    radius, phi = np.sqrt(-np.log1p(-u[..., 0])), 2.0 * np.pi * u[..., 1]
+    x, y = (
+        as_positive(m, "m") * radius * np.cos(phi),
+        as_positive(m if m_y is None else m_y, "m_y") * radius * np.sin(phi),
+    )
+    h = np.stack([x, y, np.ones_like(x)], axis=-1) / np.sqrt(1.0 + x**2 + y**2)[..., None]
     dual = h * [-1.0, -1.0, 1.0]
     seen, dual_seen = np.maximum(dot(wo, h), 0.0), np.maximum(dot(wo, dual), 0.0)
     keep = u[..., 2] * (seen + dual_seen) < seen
     return np.where(keep[..., None], h, dual)
+
+
+def reflected_by(h: Floats, wo: Floats, fresnel: Fresnel) -> tuple[Floats, Floats]:
+    """What facets drawn by ``visible_facet`` send back: wi (..., 3) and the weight F G2 / G1 (..., 3)."""
+    wi = reflect(wo, h)
+    G1 = vgroove_g1(wo, h)
+    G2 = np.minimum(G1, vgroove_g1(wi, h))
+    share = np.where(above(wi, wo) & (G1 > 0), G2 / np.where(G1 > 0, G1, 1.0), 0.0)
+    return wi, fresnel(dot(wo, h)) * share[..., None]
+
+
+def visible_density(wi: Floats, wo: Floats, m: ArrayLike, m_y: ArrayLike | None = None) -> Floats:
+    """Density of wi in 1/sr, (...), where it is drawn so: G1(v, h) D(h) / (4 (n.v)); 0 below the surface."""
+    h = half_vector(wi, wo)
+    no = np.where(above(wi, wo), wo[..., 2], 1.0)
+    return np.where(above(wi, wo), vgroove_g1(wo, h) * beckmann_d(h, m, m_y) / (4.0 * no), 0.0)
 
 
 @dataclass(frozen=True)
@@ -97,22 +120,14 @@ class CookTorrance:
         Source: Heitz & d'Eon 2014, eq. 19 with the V-cavity's G.
         """
         wo, u = as_samples(wo, u)
-        h = visible_facet(wo, self.m, u[..., 1:])
-        wi = reflect(wo, h)
-        G1 = vgroove_g1(wo, h)
-        G2 = np.minimum(G1, vgroove_g1(wi, h))
-        share = np.where(above(wi, wo) & (G1 > 0), G2 / np.where(G1 > 0, G1, 1.0), 0.0)
-        return wi, self.fresnel(dot(wo, h)) * share[..., None]
+        return reflected_by(visible_facet(wo, self.m, u[..., 1:]), wo, self.fresnel)
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
         """Density of ``sample`` in 1/sr, (...): G1(v, h) D(h) / (4 (n.v)); 0 below the surface.
 
         What is missing from 1 over the hemisphere are draws that leave below it and weigh 0.
         """
-        wi, wo = as_pair(wi, wo)
-        h = half_vector(wi, wo)
-        no = np.where(above(wi, wo), wo[..., 2], 1.0)
-        return np.where(above(wi, wo), vgroove_g1(wo, h) * beckmann_d(h, self.m) / (4.0 * no), 0.0)
+        return visible_density(*as_pair(wi, wo), self.m)
 
     def directional_albedo(self, wo: ArrayLike) -> Floats:
         """Directional albedo, (..., 3): integral of f cos over wi, by quadrature over facet slopes."""

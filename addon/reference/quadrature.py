@@ -65,36 +65,68 @@ def per_direction(wo: ArrayLike, one: Callable[[float, int], Floats]) -> Floats:
     return result.reshape(wo.shape)
 
 
-def vgroove_albedo(wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, *, moment: int = 1, nodes: int = NODES) -> Floats:
+def vgroove_albedo(
+    wo: ArrayLike, m: ArrayLike, fresnel: Fresnel, *, m_y: ArrayLike | None = None, moment: int = 1, nodes: int = NODES
+) -> Floats:
     """Directional albedo of Cook-Torrance, RGB (..., 3), or a higher moment of its sampler's weight.
 
     With slopes p (in the plane of view) and q, A = v_x p + v_z = (v.h)/(n.h) and the Gaussian P of slopes:
     E[w^moment] = 1/v_z  integral of  P(p, q) A G1 (F G2/G1)^moment dp dq,
     G1 = min(1, 2 v_z/A), G2 = min(G1, 4/(1 + p^2 + q^2) - 2 v_z/A)+, the last being 2 (n.h)(n.l)/(v.h).
     The first moment is the albedo; the second gives the variance of one sample under a white sky.
+    m_y: the slope along y, if not that along x; then views of all azimuths differ.
     """
     wo = as_directions(wo, "wo")
-    slopes = np.broadcast_to(as_positive(m, "m"), wo.shape[:-1]).ravel()
-    return per_direction(
-        wo, lambda cosine, index: _vgroove_moment(cosine, float(slopes[index]), fresnel, moment, nodes)
+    slopes, of_y = (
+        np.broadcast_to(as_positive(v, name), wo.shape[:-1]).ravel()
+        for v, name in ((m, "m"), (m if m_y is None else m_y, "m_y"))
     )
+    azimuth = np.arctan2(wo[..., 1], wo[..., 0]).ravel()
+
+    def one(cosine: float, index: int) -> Floats:
+        facets = Facets(float(slopes[index]), float(of_y[index]), float(azimuth[index]))
+        return _vgroove_moment(cosine, facets, fresnel, moment, nodes)
+
+    return per_direction(wo, one)
 
 
-def _vgroove_moment(vz: float, m: float, fresnel: Fresnel, moment: int, nodes: int) -> Floats:
+class Facets:
+    """The Gaussian of facet slopes p in the plane of view and q across it, where slopes m_x, m_y are along x and y.
+
+    exp(-a p^2 - 2 b p q - c q^2) / (pi m_x m_y). ``along``: the spread of p; ``across``: of q at one p, about -b p / c.
+    """
+
+    def __init__(self, m_x: float, m_y: float, azimuth: float) -> None:
+        cos, sin = np.cos(azimuth), np.sin(azimuth)
+        self.a, self.c = np.hypot(cos / m_x, sin / m_y) ** 2, np.hypot(sin / m_x, cos / m_y) ** 2
+        self.b = cos * sin * (1.0 / m_y - 1.0 / m_x) * (1.0 / m_y + 1.0 / m_x)
+        self.along, self.across = float(np.hypot(m_x * cos, m_y * sin)), float(self.c**-0.5)
+        self.peak = 1.0 / (np.pi * m_x * m_y)
+
+    def density(self, p: Floats, q: Floats) -> Floats:
+        """P(p, q) + P(p, -q)."""
+        even = np.square(p / self.along)
+        return self.peak * sum(np.exp(-even - self.c * np.square(q - side * self.centre(p))) for side in (1.0, -1.0))
+
+    def centre(self, p: Floats) -> Floats:
+        """The mean of q at p."""
+        return -self.b / self.c * p
+
+
+def _vgroove_moment(vz: float, facets: Facets, fresnel: Fresnel, moment: int, nodes: int) -> Floats:
     vx = np.sqrt((1.0 - vz) * (1.0 + vz))
-    p, p_weight = panels(_outer_edges(vx, vz, m, fresnel.kinks), nodes)
+    p, p_weight = panels(_outer_edges(vx, vz, facets.along, fresnel.kinks), nodes)
     if p.size == 0:
         return np.zeros(3)
     A = vx * p + vz
-    q, q_weight = panels(_inner_edges(p, A, vz, m, fresnel.kinks), nodes)
+    q, q_weight = panels(_inner_edges(p, A, vz, facets, fresnel.kinks), nodes)
     p, A = p[:, None], A[:, None]
     length2 = 1.0 + p * p + q * q
     G1 = np.minimum(1.0, 2.0 * vz / A)
     G2 = np.maximum(np.minimum(G1, 4.0 / length2 - 2.0 * vz / A), 0.0)
-    P = np.exp(-np.square(p / m) - np.square(q / m)) / (np.pi * m * m)
     F = fresnel(np.minimum(A / np.sqrt(length2), 1.0))
-    integrand = (P * (A / vz) * G1)[..., None] * (F * (G2 / G1)[..., None]) ** moment
-    return 2.0 * np.einsum("pqc,pq,p->c", integrand, q_weight, p_weight)  # q < 0 mirrors q > 0
+    integrand = (facets.density(p, q) * (A / vz) * G1)[..., None] * (F * (G2 / G1)[..., None]) ** moment
+    return np.einsum("pqc,pq,p->c", integrand, q_weight, p_weight)
 
 
 def _outer_edges(vx: float, vz: float, m: float, kinks: Sequence[float]) -> Floats:
@@ -119,16 +151,18 @@ def _outer_kinks(vx: float, vz: float, m: float, kinks: Sequence[float]) -> list
     return edges
 
 
-def _inner_edges(p: Floats, A: Floats, vz: float, m: float, kinks: Sequence[float]) -> Floats:
+def _inner_edges(p: Floats, A: Floats, vz: float, facets: Facets, kinks: Sequence[float]) -> Floats:
     """Panel edges in q for each p, up to where light leaves below the surface."""
+    middle, m = np.abs(facets.centre(p)), facets.across
 
     def circle(length2: Floats) -> Floats:
         return np.sqrt(np.maximum(length2 - 1.0 - p * p, 0.0))
 
-    end = np.minimum(circle(2.0 * A / vz), REACH * m)
+    end = np.minimum(circle(2.0 * A / vz), middle + REACH * m)
     shadow = circle(4.0 / (np.minimum(1.0, 2.0 * vz / A) + 2.0 * vz / A))
-    fixed = np.concatenate([[0.0], LADDER, SPREAD * m])
-    edges = [np.broadcast_to(edge, p.shape) for edge in fixed]
+    edges = [np.broadcast_to(edge, p.shape) for edge in [0.0, *LADDER]]
+    spreads = np.concatenate([-SPREAD, [0.0], SPREAD]) if facets.b else SPREAD
+    edges += [np.maximum(middle + spread * m, 0.0) for spread in spreads]
     edges += [shadow, end, *(circle(np.square(A / kink)) for kink in kinks)]
     return np.sort(np.minimum(np.stack(edges, axis=-1), end[:, None]), axis=-1)
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .anisotropic import Anisotropic
 from .cook_torrance import CookTorrance, Smooth, as_samples
 from .cook_torrance_albedo import quick_albedo
 from .directions import as_directions, as_range
@@ -85,11 +86,14 @@ class Sum:
     def _specular_albedo(self, wo: ArrayLike) -> Floats:
         """E_s of each direction: a quadrature for each new cosine, where the part looks alike from all around.
 
-        A slope for each direction rules that out, and so may a model that nothing is known of.
+        A model of which that is not known takes one for each new direction.
         """
         wo = as_directions(wo, "wo")
-        if not isinstance(self.specular, (CookTorrance, Smooth)) or np.ndim(getattr(self.specular, "m", 0.0)):
+        if np.ndim(getattr(self.specular, "m", 0.0)):  # a slope for each direction
             return self.specular.directional_albedo(wo)
+        if not isinstance(self.specular, (CookTorrance, Smooth)):
+            views, place = np.unique(wo.reshape(-1, 3), axis=0, return_inverse=True)
+            return self.specular.directional_albedo(views)[place.ravel()].reshape(wo.shape)
         cosines, index = np.unique(wo[..., 2], return_inverse=True)
         new = np.array([cosine for cosine in cosines.tolist() if cosine not in self._albedo_cache])
         views = np.stack([np.sqrt((1.0 - new) * (1.0 + new)), 0.0 * new, new], axis=-1)
@@ -115,13 +119,16 @@ class Sum:
 def quick_diffuse_share(model: Sum, wo: ArrayLike) -> Floats:
     """The diffuse part's weight as shaders have it, (..., 1): d, or d (1 - s E_s), E_s that of the strongest channel.
 
-    Raises TypeError for a coupled sum whose specular part is not Cook-Torrance or smooth.
+    Raises TypeError for a coupled sum whose specular part is none of Cook-Torrance, round or not, or smooth.
     """
     if not model.coupled:
         return np.full(1, model.d)
     specular = model.specular
-    if not isinstance(specular, CookTorrance | Smooth):
+    if isinstance(specular, Anisotropic):
+        m: ArrayLike = specular.seen_slope(wo)
+    elif isinstance(specular, CookTorrance | Smooth):
+        m = getattr(specular, "m", 0.0)
+    else:
         message = f"a coupled Sum needs a CookTorrance or Smooth specular part, got {type(specular).__name__}"
         raise TypeError(message)
-    m = specular.m if isinstance(specular, CookTorrance) else 0.0
     return model.d * (1.0 - model.s * np.max(quick_albedo(wo, m, specular.fresnel), axis=-1, keepdims=True))

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A material's numbers in other words than its inputs have: the colour of a metal, and parameters as papers give them.
 
-Nothing is stored: each property reads the material's inputs and writes them.
+Each property reads the material's inputs and writes them. Only the edge of a metal is stored, which n and k do not tell
+where they are held to their range.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..blender import colour_space, material
+from ..blender import beside, colour_space, material
 from ..blender.inputs import give, value_of
 from ..models import parameter
 from ..reference.fresnel import conductor_of, head_on_and_edge
@@ -42,10 +43,17 @@ def _set_color(numbers: VGrooveNumbers, color: Any) -> None:
     held = sockets(numbers.id_data)
     if not has_index(numbers.id_data):
         return
-    _, g = head_on_and_edge(*(value_of(name, held[name]) for name in "nk"))
+    index = _index(held)
+    g = numbers.edge if tuple(numbers.edge_of) == index else head_on_and_edge(index[:3], index[3:])[1]
     r = [max(channel, DARKEST) for channel in color]
     for name, value in zip("nk", conductor_of(r, g, parameter("n").high), strict=True):
         give(name, held[name], tuple(value.tolist()))
+    numbers.edge, numbers.edge_of = g, _index(held)
+
+
+def _index(held: dict[str, NodeSocket]) -> tuple[float, ...]:
+    """n and k as the inputs hold them."""
+    return tuple(value for name in "nk" for value in held[name].default_value)
 
 
 def _measured(made: Material) -> dict[str, tuple[float, ...]]:
@@ -67,6 +75,26 @@ def _set_measured(numbers: VGrooveNumbers, wanted: bool) -> None:  # noqa: FBT00
     if wanted and has_index(numbers.id_data):
         for name, value in _measured(numbers.id_data).items():
             give(name, sockets(numbers.id_data)[name], value)
+
+
+def takes_alpha(made: Material) -> bool:
+    """Whether an alpha would count: every output shows something, and no texture feeds the alpha."""
+    shown, passing = list(beside.outputs(made)), beside.alpha(made)
+    fed = passing is not None and passing[0].is_linked
+    return bool(shown) and not fed and all(output.inputs["Surface"].is_linked for output in shown)
+
+
+def _get_alpha(numbers: VGrooveNumbers) -> float:
+    passing = beside.alpha(numbers.id_data) if material.is_ours(numbers.id_data) else None
+    if passing is None:
+        return 1.0
+    socket, inverse = passing
+    return 1.0 - socket.default_value if inverse else float(socket.default_value)
+
+
+def _set_alpha(numbers: VGrooveNumbers, alpha: float) -> None:
+    if material.is_ours(numbers.id_data) and takes_alpha(numbers.id_data):
+        beside.set_alpha(numbers.id_data, alpha)
 
 
 def _as_published(name: str, tip: str) -> Any:
@@ -99,6 +127,12 @@ class VGrooveNumbers(bpy.types.PropertyGroup):
         name="Measured", description="IOR and Extinction are those of the preset. Turn on to restore them",
         options=set(), get=_get_measured, set=_set_measured,
     )  # fmt: skip
+    alpha: bpy.props.FloatProperty(
+        name="Alpha", description="Share of the surface that is there; the rest lets light straight through",
+        subtype="FACTOR", min=0.0, max=1.0, options=set(), get=_get_alpha, set=_set_alpha,
+    )  # fmt: skip
+    edge: bpy.props.FloatVectorProperty(options={"HIDDEN"})  # g of ``head_on_and_edge`` by which Color was set last
+    edge_of: bpy.props.FloatVectorProperty(size=6, options={"HIDDEN"})  # n and k that it gave
     m: _as_published("m", "RMS slope of the facets, as in Cook and Torrance: the square of Roughness")
     sigma: _as_published("sigma", "Standard deviation of the facets' tilt, as in Oren and Nayar")
 
@@ -113,6 +147,8 @@ def draw(layout: bpy.types.UILayout, made: Material) -> None:
     for name, socket in held.items():
         if name not in {"n", "k"} or not has_index(made):
             layout.prop(socket, "default_value", text=socket.name)
+    if takes_alpha(made):
+        layout.prop(made.vgroove_numbers, "alpha")
 
 
 def is_published(made: Material) -> bool:

@@ -13,7 +13,7 @@ from ..choose import advice, automatic
 from ..library import presets
 from ..library.errors import InputError
 from . import course, memory, watch
-from .properties import chosen_preset
+from .properties import choose_listed, chosen_preset
 
 if TYPE_CHECKING:
     from ..blender.facts import SceneFacts
@@ -39,13 +39,17 @@ class VGROOVE_OT_update(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         settings, chosen, lost = context.scene.vgroove, course.ours(context), []
+        disperses = settings.disperses if chosen_preset(settings).can_disperse else None  # where the panel asks
         try:
             for made in chosen:
                 estimator = settings.estimator
                 if estimator == "auto":
                     estimator = automatic.pick(context.scene, material.origin_of(made).preset).estimator
                 bound = settings.bound / 100.0 if estimator == "hybrid" else None
-                said = rebuild(made, context.scene, backend=settings.backend, estimator=estimator, bound=bound)
+                said = rebuild(
+                    made, context.scene, backend=settings.backend, estimator=estimator, bound=bound,
+                    disperses=disperses,
+                )  # fmt: skip
                 lost += [f"{made.name}: {text}" for text in said]
         except InputError as error:
             self.report({"ERROR"}, str(error))
@@ -124,7 +128,9 @@ class VGROOVE_OT_favourite(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        memory.toggle_favourite(chosen_preset(context.scene.vgroove).id)
+        settings = context.scene.vgroove
+        memory.toggle_favourite(chosen_preset(settings).id)
+        choose_listed(settings)  # without its star it is no longer listed among the favourites
         return {"FINISHED"}
 
 

@@ -67,6 +67,10 @@ class _Picker:
             column.prop(settings, "quality")
         if picked.estimator == "hybrid":
             column.prop(settings, "bound", slider=True)
+        if preset.can_disperse:
+            row = column.row()
+            row.enabled = versions.DISPERSES
+            row.prop(settings, "disperses")
         if _replaces_textures(context):
             column.prop(settings, "keep_textures")
         row = layout.row()
@@ -165,6 +169,8 @@ class VGROOVE_PT_source(InSidebar, bpy.types.Panel):
             lines(layout, f"Reliability: {preset.source['trust']}", width)
         if preset.notes:
             lines(layout, preset.notes, width)
+        if abbe := preset.parameters.get("abbe"):
+            layout.label(text=f"Abbe number: {abbe:.3g}")
         if preset.m_range:
             low, high = (m**0.5 for m in preset.m_range)  # as Blender's own Roughness
             lines(layout, f"Recommended roughness: {low:.2g} to {high:.2g}", width)

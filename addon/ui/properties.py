@@ -52,9 +52,17 @@ _families: list[Item] = []  # Blender keeps no reference to the texts of a dynam
 _shown: list[Item] = []
 
 
+EXACT = 0xFFFFFF  # Blender's buttons hold the number of a choice as float32
+
+
 def number(name: str) -> int:
-    """What Blender stores in place of a name: the same in every file, whatever other presets there are."""
-    return zlib.crc32(name.encode()) & 0x7FFFFFFF
+    """What Blender stores in place of a family's name: the same in every file, whatever other families there are."""
+    return zlib.crc32(name.encode()) & EXACT
+
+
+def _places() -> dict[str, int]:
+    """The number of each preset; none is stored, as ``shown`` reads and writes the preset's id."""
+    return {identity: place for place, identity in enumerate(presets.all_presets())}
 
 
 def _tip(preset: presets.Preset) -> str:
@@ -120,24 +128,33 @@ def chosen_preset(settings: VGrooveSettings) -> presets.Preset:
 def shown_items(settings: VGrooveSettings, _context: object) -> list[Item]:
     """The presets found, each with its picture; the chosen one is among them, or none was found."""
     rows, chosen = matching(settings), chosen_preset(settings)
-    rows = rows if chosen in rows else [chosen, *rows]
-    _shown[:] = [(p.id, p.name, _tip(p), thumbnails.icon(p), number(p.id)) for p in rows]
+    rows, places = rows if chosen in rows else [chosen, *rows], _places()
+    _shown[:] = [(p.id, p.name, _tip(p), thumbnails.icon(p), places[p.id]) for p in rows]
     return _shown
 
 
-def _choose_shown(settings: VGrooveSettings, _context: object) -> None:
+def choose_listed(settings: VGrooveSettings, _context: object = None) -> None:
     """Another family or search: where the chosen preset is not among what it lists, its first one is chosen."""
     listed = matching(settings)
     if listed and chosen_preset(settings) not in listed:
         settings.preset = listed[0].id
 
 
+def _list_chosen(settings: VGrooveSettings, _context: object) -> None:
+    """Another preset, by a script or an operator: where it is not listed, its family is."""
+    chosen = chosen_preset(settings)
+    if chosen not in matching(settings):
+        settings.search = ""
+        settings.family = families.title(chosen.id)
+        settings.preset = chosen.id  # again: meanwhile the first of a list was chosen
+
+
 def _get_shown(settings: VGrooveSettings) -> int:
-    return number(chosen_preset(settings).id)
+    return _places()[chosen_preset(settings).id]
 
 
 def _set_shown(settings: VGrooveSettings, value: int) -> None:
-    settings.preset = next(identity for identity in presets.all_presets() if number(identity) == value)
+    settings.preset = list(presets.all_presets())[value]
 
 
 def _get_quality(settings: VGrooveSettings) -> int:
@@ -158,19 +175,20 @@ class VGrooveSettings(bpy.types.PropertyGroup):
         description="The material to apply, by id",
         default=FIRST,
         options={"HIDDEN"},
+        update=_list_chosen,
     )
     family: bpy.props.EnumProperty(
         name="Family",
         description="Which presets to list",
         items=family_items,
         default=number(families.TITLES[0]),
-        update=_choose_shown,
+        update=choose_listed,
     )
     search: bpy.props.StringProperty(
         name="Search",
         description="Words to find in all families, such as: gold satin",
         options={"TEXTEDIT_UPDATE"},
-        update=_choose_shown,
+        update=choose_listed,
     )
     shown: bpy.props.EnumProperty(
         name="Preset", description="The material to apply", items=shown_items, get=_get_shown, set=_set_shown
@@ -183,6 +201,11 @@ class VGrooveSettings(bpy.types.PropertyGroup):
         name="Keep Textures",
         description="The new material takes the image textures, bump and displacement of the one that it replaces",
         default=True,
+    )
+    disperses: bpy.props.BoolProperty(
+        name="Dispersion",
+        description="Colors spread by the material's Abbe number, as in a prism. Blender 5.3 and newer; more noise",
+        default=False,
     )
     quality: bpy.props.EnumProperty(
         name="Quality",

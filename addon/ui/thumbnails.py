@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..library.presets import Preset
 
 FOLDER = Path(__file__).parents[2] / "previews"
+SHOWN_IN = ("VIEW_3D", "NODE_EDITOR", "PROPERTIES")  # editors that have the picker
 AT_ONCE, PAUSE = 16, 0.02  # pictures (some 2 ms each), seconds: the window stays responsive
 _pictures: list[Any] = []  # the one collection, while the extension is switched on
 _waiting: list[str] = []  # ids whose picture is not read yet
@@ -79,5 +80,5 @@ def _read_some() -> float | None:
 def _redraw() -> None:
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type == "VIEW_3D":
+            if area.type in SHOWN_IN:
                 area.tag_redraw()

@@ -35,12 +35,14 @@ MIRRORED = 0.05  # of hybrid, at least
 NOISY_ROWS = 14  # of the plan, judged by Z-tests; a test holds it to the plan
 
 
-def preset(kind: str, m: float, fresnel: str = "eta = 1.8") -> Preset:
-    """A rough base under a rough dielectric."""
+def preset(kind: str, m: float, fresnel: str = "eta = 1.8", model: str = MODEL, **more: float) -> Preset:
+    """A rough base under a rough dielectric; ``more``: numbers that another such ``model`` has."""
+    others = "\n".join(f"{name} = {value}" for name, value in more.items())
     weights = "d = 0.95\ns = 1.0\ncoupled = true" if kind == "coupled" else "d = 0.6\ns = 0.4"
     text = f"""name = "Test"
-model = "sum"
+model = "{model}"
 {weights}
+{others}
 albedo = [0.8, 0.5, 0.2]
 sigma = 0.6
 m = {m}

@@ -149,6 +149,9 @@ def test_a_task_is_named_by_all_that_decides_its_pixels_and_nothing_else():
     ]
     names = {name, task.identity(VERSIONS | {"blender": "4.5.15"}), *(one.identity(VERSIONS) for one in other)}
     assert len(names) == len(other) + 2
+    assert replace(task, dispersion=True).identity(VERSIONS) == name  # copper has no Abbe number
+    glass = replace(task, assignments=(("Ball", find("gems/diamond")),))
+    assert replace(glass, dispersion=True).identity(VERSIONS) != glass.identity(VERSIONS)
     mirror = replace(task, estimator="mirror")  # which has no bound
     assert replace(mirror, bound=0.01).identity(VERSIONS) == mirror.identity(VERSIONS)
 
@@ -174,6 +177,7 @@ MALFORMED = [
     *(f'preset = "copper"\nsamples = {value}' for value in WRONG_VALUES),
     *(f'preset = "copper"\nseed = {value}' for value in WRONG_VALUES if value != "0"),
     *(f'preset = "copper"\nbound = {value}' for value in WRONG_VALUES),
+    *(f'preset = "copper"\ndispersion = {value}' for value in WRONG_VALUES if value != "true"),
     *(f'preset = "copper"\nerror = {value}' for value in WRONG_VALUES),
     *(f'preset = "copper"\nbackend = {value}' for value in WRONG_VALUES),
     *(f'preset = "copper"\nestimator = {value}' for value in WRONG_VALUES),

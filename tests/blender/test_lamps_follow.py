@@ -279,6 +279,21 @@ def test_while_the_extension_is_on_materials_ask_for_lights_that_come(bound, fol
     assert stage.objects["Ball"].active_material == made
 
 
+def test_a_material_in_two_scenes_has_the_lights_of_both(bound):
+    """A ball that is linked into a second scene, lit by a point, shows each scene's light in its render."""
+    blender, stage, _, made, strength = bound
+    other = blender.data.scenes.new("Other")
+    other.collection.objects.link(stage.objects["Ball"])
+    other.collection.objects.link(make_lamp(blender, "POINT", "Bulb"))
+    for scene in (other, stage, other):
+        follow.refresh(scene)
+        assert material.bound_slots(made) == {"SUN 1", "POINT 1"}
+    assert strength()[0] > 0.0
+    blender.context.window.scene = other
+    assert strength("POINT 1")[0] > 0.0
+    assert "SUN 1 color" not in other[lamps.RIG]
+
+
 def test_handlers_leave_nothing_behind():
     """As many as before, once the extension is off."""
     import bpy

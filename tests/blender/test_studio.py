@@ -93,8 +93,8 @@ def picture(shown, path):
 
 
 def test_white_is_exposed_to_four_fifths_and_silver_is_not_burnt_out(blender, tmp_path):
-    """White: the mean of the brightest hundredth. Silver: some pixels that mirror the key light are above 1, as they
-    have to be; a hundredth of a picture is a tenth of the ball.
+    """White: the mean of the brightest hundredth, which two seeds give within 0.01. Silver: the glow of the key light
+    alone is above 1, where a lamp's mirror image has to be; the body is two fifths of the picture.
     """
     with headless.quiet():
         shown = studio.scene()
@@ -107,4 +107,27 @@ def test_white_is_exposed_to_four_fifths_and_silver_is_not_burnt_out(blender, tm
     assert brightest.mean() == pytest.approx(0.8, abs=0.02)
     preset = presets.find("metals/silver")
     studio.show(shown, preset, material.build(preset, material.Choice("nodes", "closure")))
-    assert np.mean(np.any(picture(shown, tmp_path / "silver.exr") > 1.0, axis=-1)) < 0.02
+    assert np.mean(np.any(picture(shown, tmp_path / "silver.exr") > 1.0, axis=-1)) < 0.03
+
+
+class WithoutDenoiser:
+    """Settings of Cycles as Debian's Blender has them."""
+
+    @property
+    def denoiser(self):
+        return ""
+
+    @denoiser.setter
+    def denoiser(self, value):
+        message = f'enum "{value}" not found in ()'
+        raise TypeError(message)
+
+
+def test_where_blender_has_no_denoiser_more_samples_take_its_place(blender):
+    """Debian's is built without one, and the picture of one's own preset has to be made there too."""
+    less = WithoutDenoiser()
+    studio.remove_noise(less)
+    assert (less.use_denoising, less.samples) == (False, 4 * studio.SAMPLES)
+    cycles = blender.context.scene.cycles
+    studio.remove_noise(cycles)
+    assert cycles.use_denoising

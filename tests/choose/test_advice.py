@@ -346,6 +346,20 @@ def test_glass_without_raytracing_is_said_in_eevee(stage):
     assert found(glass) == []
 
 
+def test_eevee_warns_only_of_what_it_shows_otherwise(stage):
+    """Blender starts with EEVEE, which shows the closures of Standard and smooth glass; Workbench shows no material."""
+
+    def engine(backend="nodes", estimator="fit", **known):
+        return [p.text for p in advice.problems(stage, backend, estimator, **known) if p.key == "engine"]
+
+    stage.render.engine = versions.EEVEE
+    assert engine(m=0.3) == engine(estimator="mirror", model="glass") == []
+    assert engine(estimator="mirror", m=0.3, model="glass") == engine(estimator="corrected") == engine("osl")
+    assert engine("osl") == ["EEVEE shows this as Standard"]
+    stage.render.engine = "BLENDER_WORKBENCH"
+    assert engine() == ["The render engine is not Cycles"]
+
+
 def test_materials_in_the_scene_are_judged_by_what_they_are(stage):
     """Whatever the panel is set to: by name, each text once; a scene's own problems without one."""
     stage.cycles.sample_clamp_direct = 1.0

@@ -74,6 +74,20 @@ def test_a_bad_file_is_one_line_with_file_and_key(old, new, message):
     assert "\n" not in str(caught.value)
 
 
+def test_an_abbe_number_goes_with_what_is_clear():
+    """It is kept, and a sheet or what has none does not disperse."""
+    water = (presets.FOLDER / "liquids/water.toml").read_text(encoding="utf-8")
+    assert parse(water, "t/x", "x.toml").parameters["abbe"] == pytest.approx(55.76)
+    with pytest.raises(PresetError, match=r"x.toml: abbe must be .*1000"):
+        parse(water.replace("abbe = 55.76", "abbe = 1001"), "t/x", "x.toml")
+    with pytest.raises(PresetError, match=r'x.toml: unknown key "abbe"'):
+        parse(f"abbe = 50\n{GOOD}", "t/x", "x.toml")
+    assert find("liquids/water").with_parameters(abbe=30.0).can_disperse
+    assert not find("liquids/water").with_parameters(abbe=0.0).can_disperse
+    able = {one: find(one).can_disperse for one in ("liquids/water", "glasses/window", "gems/ruby", "metals/gold")}
+    assert able == {"liquids/water": True, "glasses/window": False, "gems/ruby": False, "metals/gold": False}
+
+
 def test_two_files_of_one_id_are_refused(tmp_path):
     """Names that differ only in case would be one file on some systems."""
     (tmp_path / "a").mkdir()

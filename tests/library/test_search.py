@@ -46,6 +46,14 @@ soap organic/soap; cheese organic/cheese; chocolate organic/; apple translucent/
 leaf organic/leaf; grass organic/grass; bone organic/bone; ivory organic/ivory; tooth organic/tooth
 egg organic/eggshell; paper paper/; cardboard paper/cardboard; newspaper paper/newsprint; parchment paper/parchment
 wet stone/; burnt wood/
+spoon finished_metals/; cutlery finished_metals/; armor alloys/; screw alloys/brass; trumpet finished_metals/brass
+jar glasses/glass; phone glasses/; boots leather/; wallet leather/; pillow cloth/; socks cloth/; napkin cloth/linen
+rope cloth/burlap; cable rubber/; hose rubber/; door wood/; guitar wood/; "wooden floor" wood/; book paper/
+"toilet paper" paper/tissue; "ice cube" crystals/ice; keyboard plastics/; lips translucent/skin; leaves organic/leaf
+rubies gems/ruby; boxes paper/cardboard; lenses glasses/; vases ceramics/; tyres rubber/; mirrors finished_metals/
+"foggy glass" glasses/frosted; "swimming pool" liquids/pool; "white wall" paints/wall_paint
+"rose gold" finished_metals/; "leather sofa" leather/; "olive oil" liquids/olive
+"rusty metal" time_varying/; "grey plastic" plastics/grey
 """
 TABLE = [entry.strip().rsplit(" ", 1) for line in FIRST.split("\n") for entry in line.split(";") if entry.strip()]
 
@@ -87,7 +95,7 @@ def test_every_meaning_finds_something():
 
 
 def test_accents_capitals_and_plurals_do_not_matter():
-    for a, b in (("GOLD", "gold"), ("metals", "metal"), ("Papér", "paper")):
+    for a, b in (("GOLD", "gold"), ("metals", "metal"), ("Papér", "paper"), ("rubies", "ruby"), ("brushes", "brush")):
         assert presets.search(a) == presets.search(b)
 
 

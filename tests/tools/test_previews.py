@@ -5,13 +5,13 @@ import importlib.util
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from vgroove.addon.library import presets
 from vgroove.addon.library.presets import shipped
 
 pytestmark = pytest.mark.blender
@@ -27,7 +27,7 @@ _spec.loader.exec_module(previews)
 
 
 def test_what_is_there_is_not_rendered_again(tmp_path, monkeypatch):
-    """A run resumes where it was interrupted; a changed preset file or studio, or a lost picture, is rendered."""
+    """A run resumes where it was interrupted; with another studio, or where a picture is lost, it renders."""
     ids = [preset.id for preset in previews.wanted([], tmp_path)]
     assert ids == list(shipped())
     done = ids[:5]
@@ -43,12 +43,16 @@ def test_what_is_there_is_not_rendered_again(tmp_path, monkeypatch):
     assert len(previews.wanted([], tmp_path, everything=True)) == len(ids)
     monkeypatch.setattr(previews, "STUDIO", b"other lights")
     assert len(previews.wanted([], tmp_path)) == len(ids)
-    edited = tmp_path / "presets"
-    (edited / "metals").mkdir(parents=True)
-    (edited / "metals" / "gold.toml").write_text("another", encoding="utf-8")
-    before = previews.digest(shipped()["metals/gold"])
-    monkeypatch.setattr(presets, "FOLDER", edited)
-    assert previews.digest(shipped()["metals/gold"]) != before
+
+
+def test_a_picture_is_made_again_if_it_would_change():
+    """By another number or shape; not by a name, a source, or an Abbe number, which no picture shows."""
+    ruby = shipped()["gems/ruby"]
+    made = previews.digest(ruby)
+    assert previews.digest(replace(ruby, name="Red Corundum", source={}, notes="x", m_range=None)) == made
+    assert previews.digest(replace(ruby, parameters=ruby.parameters | {"abbe": 72.0})) == made
+    assert previews.digest(ruby.with_parameters(eta=1.5)) != made
+    assert previews.digest(replace(ruby, tags=("transparent",))) != made  # a ball
 
 
 def pictures(folder, *names):

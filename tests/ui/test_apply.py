@@ -38,6 +38,31 @@ def test_apply_gives_hybrid_the_bound_of_the_panel(extension):
     assert node.inputs["Bound"].default_value == pytest.approx(0.02)
 
 
+def test_dispersion_is_a_switch_that_is_off(extension):
+    """Shown for what has an Abbe number, usable where Cycles can; applying again changes the material in place."""
+    from vgroove.addon.blender import origin
+    from vgroove.addon.models.glass import ABBE
+    from vgroove.addon.ui import panels
+    from vgroove.nodegroups import versions
+
+    settings = extension.context.scene.vgroove
+    settings.preset = "glasses/window"
+    assert "disperses" not in drawn(extension, panels.VGROOVE_PT_material).props
+    settings.preset = "gems/diamond"
+    assert "disperses" in drawn(extension, panels.VGROOVE_PT_material).props
+    assert "Abbe number: 55.3" in drawn(extension, panels.VGROOVE_PT_source).texts
+    assert not settings.disperses
+    made = []
+    for settings.disperses in (False, True):
+        with headless.quiet():
+            assert extension.ops.vgroove.apply() == {"FINISHED"}
+        made.append(extension.context.object.active_material)
+        assert origin.read(made[-1]).disperses is settings.disperses
+        groups = [node for node in made[-1].node_tree.nodes if node.bl_idname == "ShaderNodeGroup"]
+        assert any(ABBE.label in node.inputs for node in groups) is (settings.disperses and versions.DISPERSES)
+    assert made[0] == made[1]
+
+
 def test_apply_is_one_undo_step(extension):
     """One Ctrl-Z gives the cube its old material back."""
     stage = extension.context.scene

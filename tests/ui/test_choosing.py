@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Choosing a preset in the panel: search, families, names in files, pictures."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
 from vgroove import headless
+from vgroove.addon.blender import material
 
 from .panel import drawn
 
@@ -27,7 +31,53 @@ def test_the_search_offers_what_it_finds(extension):
     settings.search = ""
     assert settings.preset != purple  # the family Metals has it not
     settings.preset = "gems/diamond"
-    assert settings.shown == "gems/diamond"  # a script's choice stands
+    assert (settings.shown, settings.family) == ("gems/diamond", "Gems")  # a script's choice stands, and is listed
+    settings.search = "gold"
+    settings.preset = "gems/ruby"
+    assert (settings.shown, settings.family, settings.search) == ("gems/ruby", "Gems", "")
+
+
+@pytest.fixture
+def _preferences(extension, monkeypatch):
+    """Preferences, as Blender gives them to what it knows as an extension."""
+    from vgroove.addon.ui import memory
+
+    kept = SimpleNamespace(favourites="", recent="", show_estimators=False)
+    monkeypatch.setattr(memory, "preferences", lambda: kept)
+
+
+@pytest.mark.usefixtures("_preferences")
+def test_favourites_and_recent_ones_are_families(extension):
+    """A star and Apply add to them; what is shown is always listed, and is what Apply applies."""
+    from vgroove.addon.ui import properties
+
+    settings, operators = extension.context.scene.vgroove, extension.ops.vgroove
+    offered = [item[0] for item in properties.family_items(settings, None)]
+    assert offered[:3] == [properties.ALL, properties.FAVOURITES, properties.RECENT]
+    settings.family = properties.FAVOURITES
+    assert properties.matching(settings) == []
+    assert not operators.apply.poll()
+    for identity in ("gems/diamond", "stone/slate", "metals/gold"):
+        settings.preset = identity
+        assert operators.favourite() == {"FINISHED"}
+    settings.family = properties.FAVOURITES
+    assert [one.id for one in properties.matching(settings)] == ["gems/diamond", "stone/slate", "metals/gold"]
+    assert settings.shown == "metals/gold"
+    operators.favourite()  # takes the star
+    assert [one.id for one in properties.matching(settings)] == ["gems/diamond", "stone/slate"]
+    assert settings.shown == "gems/diamond"
+    for shown in ("stone/slate", "gems/diamond"):
+        settings.shown = shown
+        with headless.quiet():
+            assert operators.apply() == {"FINISHED"}
+        assert material.preset_of(extension.context.object.active_material).id == shown
+    settings.family = properties.RECENT
+    assert [one.id for one in properties.matching(settings)] == ["gems/diamond", "stone/slate"]
+    settings.search = "slate"
+    assert settings.shown == "stone/slate"
+    with headless.quiet():
+        operators.apply()
+    assert material.preset_of(extension.context.object.active_material).id == "stone/slate"
 
 
 def test_another_family_shows_one_of_its_own(extension):
@@ -51,16 +101,14 @@ def test_a_search_without_hits_applies_nothing(extension):
     assert "Nothing found" in " ".join(told.texts)
     assert not extension.ops.vgroove.apply.poll()
     settings.search = "copper"
-    assert "12 found" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
+    assert "17 found" in " ".join(drawn(extension, panels.VGROOVE_PT_material).texts)
     assert extension.ops.vgroove.apply.poll()
 
 
 def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
     """Through a saved file, whatever presets come or go; one that is not there gives the first."""
-    from vgroove.addon.library.presets import all_presets
     from vgroove.addon.ui import properties
 
-    assert len({properties.number(identity) for identity in all_presets()}) == len(all_presets())
     extension.context.scene.vgroove.preset = "gems/diamond"
     with headless.quiet():
         extension.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
@@ -72,11 +120,24 @@ def test_what_is_chosen_is_kept_by_name(extension, tmp_path):
     assert settings.shown == properties.chosen_preset(settings).id == "metals/copper"
 
 
+def test_a_click_on_a_picture_chooses_its_preset(extension):
+    """A button of the grid writes the number of its choice, which it holds as float32."""
+    from vgroove.addon.ui import properties
+
+    settings = extension.context.scene.vgroove
+    settings.family = properties.ALL
+    for identity, *_, number in list(properties.shown_items(settings, None)):
+        properties._set_shown(settings, int(np.float32(number)))
+        assert settings.preset == identity
+    assert all(int(np.float32(number)) == number for *_, number in properties.family_items(None, None))
+
+
 def test_pictures_are_read_when_they_are_drawn(extension, tmp_path, monkeypatch):
     """Each once, a little later; one that is not there leaves no icon. (Without a window no icon has a number.)"""
     from vgroove.addon.library.presets import find
-    from vgroove.addon.ui import thumbnails
+    from vgroove.addon.ui import panels, thumbnails
 
+    assert {kind.bl_space_type for kind in panels._Picker.__subclasses__()} == set(thumbnails.SHOWN_IN)
     monkeypatch.setattr(thumbnails, "FOLDER", tmp_path)
     (pictures,) = thumbnails._pictures
     assert thumbnails.icon(find("gems/diamond")) == 0

@@ -4,9 +4,12 @@
 import numpy as np
 import pytest
 
-from vgroove.addon.blender import material
+from vgroove.addon.blender import beside, material, roles
 from vgroove.addon.blender.material import Choice
 from vgroove.addon.library import presets
+from vgroove.addon.ui import panels
+
+from .panel import drawn
 
 pytestmark = pytest.mark.blender
 
@@ -34,6 +37,16 @@ def test_the_colour_of_a_metal_moves_its_index(extension):
         now = material.origin_of(made).preset
         assert now == now.with_parameters(m=now.m)  # in the range that files allow
         np.testing.assert_allclose(now.reference_fresnel()(1.0), np.clip(color, 1e-3, 0.9999), rtol=1e-3)
+    numbers.measured = True
+    for color in ((1.0, 1.0, 1.0), copper.reference_fresnel()(1.0)):  # n and k reach 20, and forget the edge
+        numbers.color = color
+    for name, value in material.origin_of(made).preset.parameters.items():
+        np.testing.assert_allclose(value, copper.parameters[name], rtol=1e-4)
+    sockets = material.parameter_sockets(made)
+    numbers.color = (1.0, 1.0, 1.0)
+    sockets["n"].default_value, sockets["k"].default_value = (1.5, 1.5, 1.5), (2.0, 2.0, 2.0)  # by hand: another edge
+    numbers.color = numbers.color
+    np.testing.assert_allclose(sockets["k"].default_value, 2.0, rtol=1e-4)
     noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
     made.node_tree.links.new(noise.outputs["Color"], material.parameter_sockets(made)["n"])
     numbers.color = (0.5, 0.5, 0.5)  # nothing to set
@@ -62,5 +75,28 @@ def test_what_a_material_lacks_reads_as_nothing(extension):
     for numbers in (plain, clay):
         assert tuple(numbers.color) == (0.0, 0.0, 0.0)
         assert not numbers.measured
+        assert numbers.alpha == 1.0
         numbers.m = 0.5
         assert numbers.m == 0.0
+
+
+def test_alpha_is_shown_unless_a_texture_feeds_it(extension):
+    """1 and without a node until it is set; read and set in either order of the mix's sides."""
+    clay, numbers = built("diffuse/clay")
+    extension.context.object.active_material = clay
+    assert "alpha" in drawn(extension, panels.VGROOVE_PT_parameters).props
+    count = len(clay.node_tree.nodes)
+    numbers.alpha = 1.0
+    assert (numbers.alpha, len(clay.node_tree.nodes)) == (1.0, count)
+    numbers.alpha = 0.25
+    assert numbers.alpha == 0.25
+    (mix,) = beside.joints(clay, roles.CLEAR)
+    beside.exchange(clay.node_tree, mix)
+    assert numbers.alpha == 0.75
+    numbers.alpha = 0.25
+    assert (numbers.alpha, mix.inputs[0].default_value) == (0.25, 0.75)
+    noise = clay.node_tree.nodes.new("ShaderNodeTexNoise")
+    clay.node_tree.links.new(noise.outputs[0], mix.inputs[0])
+    numbers.alpha = 0.5
+    assert mix.inputs[0].default_value == 0.75
+    assert "alpha" not in drawn(extension, panels.VGROOVE_PT_parameters).props

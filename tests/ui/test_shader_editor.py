@@ -20,6 +20,7 @@ def test_a_node_has_one_output_and_mixes_in_cycles(extension, name):
     tree = made.node_tree
     node = shader_nodes.add(tree, name)
     assert [one.name for one in node.outputs] == ["BSDF"]
+    assert not node.show_options  # which would show the group's internal name
     assert {"Normal"} <= {one.name for one in node.inputs}
     assert {"Base Color", "IOR"} & {one.name for one in node.inputs}
     mix, black = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeEmission")

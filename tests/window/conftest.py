@@ -40,7 +40,7 @@ def session(tmp_path_factory):
 def run(session):
     """A function that runs a scenario of ``steps_*.py`` in the window and returns what it noted."""
 
-    def play(path, name, settings="with", **given):
-        return session.run(HERE / f"{path}.py", name, settings, **given)
+    def play(path, name, settings="with"):
+        return session.run(HERE / f"{path}.py", name, settings)
 
     return play

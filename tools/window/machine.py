@@ -86,12 +86,24 @@ def _bootstrap() -> None:
 def inside(*command: str, alone: bool = False) -> list[str]:
     """A command in Blender's system. Its processes end with it, and so does what is mounted.
 
-    alone: without a network, which no test needs, and which keeps other screens away.
+    alone: without a network, which no test needs, and which keeps other screens away; and without this process's
+    environment, where the bpy wheel tells Blender of its own files. apt may need both.
     """
     spaces = ["--mount", "--pid", "--fork", "--kill-child", f"--mount-proc={SYSTEM / 'proc'}"]
     settings = ["HOME=/root", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LC_ALL=C.UTF-8", "DEBIAN_FRONTEND=noninteractive"]
     first = ["sh", "-c", '"$@"; exit $?', "sh"]  # xvfb-run waits for ever if it is a system's first process itself
-    return ["unshare", *spaces, *["--net"] * alone, "chroot", str(SYSTEM), "env", *settings, *first, *command]
+    return [
+        "unshare",
+        *spaces,
+        *["--net"] * alone,
+        "chroot",
+        str(SYSTEM),
+        "env",
+        *["-i"] * alone,
+        *settings,
+        *first,
+        *command,
+    ]
 
 
 def _run(command: list[str], folder: Path | None = None, **more: str) -> subprocess.CompletedProcess[str]:

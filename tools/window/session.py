@@ -12,7 +12,9 @@ from typing import Any
 import machine
 
 HANDS = Path(__file__).parent / "hands.py"
-SECONDS = 300  # in which Blender ends itself: longer than hands.py gives a scenario
+SECONDS = 1200  # after which a Blender that hangs is ended; hands.py ends scenarios that work too long
+SETTINGS = "with", "without"  # the extension
+ERRORS = "Traceback", "Error", "ERROR"  # in what Blender prints
 PREPARE = """
 import bpy
 view = bpy.context.preferences.view
@@ -29,7 +31,8 @@ class Session:
         self.name = name
         self.folder = machine.set_up() / "work" / name
         shutil.rmtree(self.folder, ignore_errors=True)
-        self.folder.mkdir(parents=True)
+        for settings in SETTINGS:  # Blender takes others where the folder is not there
+            (self.folder / settings).mkdir(parents=True)
 
     @property
     def extension(self) -> Path:
@@ -41,25 +44,26 @@ class Session:
         shutil.copy(archive, self.folder / archive.name)
         where = f"/work/{self.name}/{archive.name}"
         self.blender("with", "--command", "extension", "install-file", "-r", "user_default", "-e", where)
-        for settings in ("with", "without"):
+        for settings in SETTINGS:
             self.blender(settings, "--background", "--python-expr", PREPARE)
 
-    def run(self, script: Path, name: str, settings: str = "with", **notes: Any) -> dict[str, Any]:
-        """What a scenario noted; AssertionError with its own traceback where it failed."""
+    def run(self, script: Path, name: str, settings: str = "with") -> dict[str, Any]:
+        """What a scenario noted; AssertionError with its traceback where it failed or Blender printed an error."""
         shutil.copy(HANDS, self.folder)
         shutil.copy(script, self.folder)
         outcome = self.folder / "outcome.json"
         outcome.unlink(missing_ok=True)
-        (self.folder / "given.json").write_text(json.dumps(notes), encoding="utf-8")
         here = f"/work/{self.name}"
         said = self.blender(
             settings, "--gpu-backend", "opengl", "--window-geometry", "0", "0", *map(str, machine.PIXELS),
-            "--enable-event-simulate", "--python", f"{here}/{HANDS.name}", "--", f"{here}/{script.name}", name,
+            "--enable-event-simulate", "--python-exit-code", "1",
+            "--python", f"{here}/{HANDS.name}", "--", f"{here}/{script.name}", name,
             screen=True,
         )  # fmt: skip
         found = json.loads(outcome.read_text(encoding="utf-8")) if outcome.exists() else {"failed": "Blender ended"}
         assert not found["failed"], f"{found['failed']}\n{said}"
-        return found["notes"] | {"said": said}
+        assert not any(word in said for word in ERRORS), said
+        return found["notes"]
 
     def blender(self, settings: str, *arguments: str, screen: bool = False) -> str:
         """What Blender prints."""
