@@ -8,6 +8,7 @@ from vgroove import headless
 from vgroove.addon.blender import bake, convert, gltf, material, principled, roles
 from vgroove.addon.blender.material import Choice, build
 from vgroove.addon.library import presets
+from vgroove.addon.reference.facet_distribution import Distribution
 
 from .exports import export, our_input, picture, several, shown
 
@@ -75,7 +76,34 @@ def _anisotropic(preset, of):
     return {"color": preset.reference_fresnel()(1.0), "metallic": 1.0}
 
 
+def _phong(_preset, of):
+    """Up to the reflectance of an index of 3 a dielectric, above a mixture with a metal."""
+    below, specular = np.array(of["albedo"]), np.array(of["specular"])
+    m = (2.0 * of["exponent"] + 1.0) ** -0.5 if "exponent" in of else (2.0 / (of["shininess"] + 2.0)) ** 0.5
+    if specular.max() <= 0.25:
+        index = (1.0 + specular.max() ** 0.5) / (1.0 - specular.max() ** 0.5)
+        return {"color": below, "metallic": 0.0, "ior": index, "roughness": m**0.5}
+    metallic = specular.mean() / (below + specular).mean()
+    return {"color": below + specular, "metallic": metallic, "specular": 0.0, "roughness": m**0.5}
+
+
+def _generator(preset, of):
+    below, rough = np.array(of["albedo"]), Distribution(preset.distribution).slope ** 0.5
+    f0 = np.array(of["specular"]) * preset.reference_fresnel()(1.0)
+    if below.max() == 0.0 or preset.kind in {"conductor", "f82"}:
+        return {"color": f0, "metallic": 1.0, "roughness": rough}
+    return {
+        "color": below,
+        "metallic": 0.0,
+        "ior": (1.0 + f0.max() ** 0.5) / (1.0 - f0.max() ** 0.5),
+        "roughness": rough,
+    }
+
+
 EXPECTED = {
+    "phong": _phong,
+    "blinn_phong": _phong,
+    "generator": _generator,
     "anisotropic": _anisotropic,
     "cook_torrance": lambda preset, _: {"color": preset.reference_fresnel()(1.0), "metallic": 1.0},
     "oren_nayar": lambda _, of: {"color": of["albedo"], "metallic": 0.0, "specular": 0.0},
