@@ -46,7 +46,7 @@ PRESETS, COLUMNS = 60, 8
 SIZE, SQUARE = 48, 6  # pixels of a ball with its surroundings, and of what is averaged
 APART = 2.4  # radii from ball to ball
 WORLD = Path(bpy.utils.resource_path("LOCAL")) / "datafiles/studiolights/world/city.exr"
-SAMPLES = {"lights": (16, 1), "world": (32, 4)}  # of Cycles and of EEVEE, per pixel
+SAMPLES = {"lights": (64, 16), "world": (32, 4)}  # of Cycles and of EEVEE, per pixel
 
 
 def selected() -> list[Preset]:
