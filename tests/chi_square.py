@@ -72,10 +72,15 @@ def merged(observed, expected):
     return (np.concatenate([[part[:small].sum()], part[small:]]) for part in (observed, expected))
 
 
-def chi_square(model, wo, wi):
-    """p-value of draws ``wi`` under ``model.pdf``, the draws below the surface being one more cell."""
-    grids = grid(model, wo)
-    mass = probabilities(model, wo, *grids)
+def chi_square(model, wo, wi, nodes=5, kinks=()):
+    """p-value of draws ``wi`` under ``model.pdf``, the draws below the surface being one more cell.
+
+    nodes: of a panel, each way. kinks: thetas at which the density is not smooth.
+    """
+    (theta, starts), phi_grid = grid(model, wo)
+    edges = np.union1d(theta, kinks)
+    grids = (edges, np.searchsorted(edges, theta[starts])), phi_grid
+    mass = probabilities(model, wo, *grids, nodes)
     assert mass.shape == (CELLS, CELLS)
     below = max(1.0 - mass.sum(), 0.0)
     expected = len(wi) * np.append(mass.ravel(), below)

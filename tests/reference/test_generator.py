@@ -121,10 +121,15 @@ def test_it_is_reciprocal_and_no_more_leaves_than_arrives(of):
 @EACH
 @pytest.mark.parametrize("degrees", [0.0, 60.0, 85.0])
 def test_draws_are_distributed_as_pdf_says(of, degrees):
-    """By chi-square; their mean weight is the albedo. Of the lobe alone: the cells of a cosine would not resolve it."""
+    """By chi-square; their mean weight is the albedo. Of the lobe alone: the cells of a cosine would not resolve it.
+
+    The density is the same within a bin of facets and jumps between them: head-on at angles that panels begin at;
+    elsewhere along curves, so there are more nodes.
+    """
     model, wo = Generator(0.0, (0.2, 0.5, 0.7), of, Dielectric(1.5)), viewer(degrees)
     wi, weight = draw(model, wo, 100_000, 2000, list(SUMS.values()).index(of), int(degrees))
-    assert chi_square(model, wo, wi) > chance(3 * len(SUMS))
+    jumps = {"kinks": 2.0 * np.arcsin(np.sqrt(of.bins[of.bins < 0.5]))} if degrees == 0.0 else {"nodes": 16}
+    assert chi_square(model, wo, wi, **jumps) > chance(3 * len(SUMS))
     mean, error = weight[:, 1].mean(), weight[:, 1].std() / np.sqrt(len(weight))
     assert abs(mean - albedo(model, wo)[1]) < 4.5 * error  # of 30 tests one in 5000
     assert weight.max() < 8.0
@@ -143,12 +148,15 @@ def test_no_facet_is_drawn_far_too_rarely(of):
     [("beckmann", 1e-3), ("ggx", 0.02), ("exponential", 0.02), ("abc", 0.12), ("wide abc", 0.02), ("two slopes", 0.02)],
 )
 def test_a_few_beckmann_terms_come_near(name, most):
-    """L1 distance of D; more terms are never farther; Beckmann's own is found again."""
+    """L1 distance of D; more terms are never farther; Beckmann's own is found again.
+
+    But for how the absolute value is smoothed in the end: at 1e-3 of D, whose integral is 1.
+    """
     of = SUMS[name]
     assert distance(of, beckmann_terms(of)) < most
     found = [distance(of, least_l1(of, count)) for count in (1, 2, 4)]
-    assert found[0] + 1e-6 >= found[1]
-    assert found[1] + 1e-6 >= found[2]
+    assert found[0] + 1e-3 >= found[1]
+    assert found[1] + 1e-3 >= found[2]
     if name == "beckmann":
         np.testing.assert_allclose(beckmann_terms(of), [(1.0, 0.2)], rtol=1e-3)
 
