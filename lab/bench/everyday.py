@@ -19,9 +19,10 @@ from ...addon.reference.estimators import rendered as brdf
 from ...headless import assignment
 from ...nodegroups import versions
 from ..scenery import surface
-from . import contenders, everyday_lights, everyday_settings, everyday_surfaces, peers  # noqa: F401 - fill SCENES
+from . import contenders, peers
 from .cells import Everyday
-from .everyday_stage import SAMPLES, SCENES, SIZE, prepare, shaded
+from .everyday_scenes import SCENES
+from .everyday_stage import SAMPLES, SIZE, prepare, shaded
 from .record import Cell
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...addon.library.presets import Preset
-    from .everyday_stage import Shot
+    from .everyday_stage import Scenario
 
     Floats = NDArray[np.float64]
 
@@ -103,31 +104,31 @@ def preset_of(subject: str) -> Preset:
 
 def look(name: str, subject: str, size: int = SIZE, samples: int = SAMPLES) -> Seen:
     """Both materials in a scene. Empties the session."""
-    preset = preset_of(subject)
-    shown, shot = prepare(SCENES[name], size, samples)
-    ours, said = default(shown, preset, shot)
-    pictures = _pictures(shown, shot)
-    _give(shown, native(preset), shot)
-    natives = _pictures(shown, shot)
-    where = np.ones(natives.shape[1:3], np.bool_) if shot.everywhere else _where(shown, shot)
-    wrong = [text for text in said if not any(words in text for words in SCENES[name].says)]
+    preset, one = preset_of(subject), SCENES[name]
+    shown = prepare(one, size, samples)
+    ours, said = default(shown, preset, one)
+    pictures = _pictures(shown, one)
+    _give(shown, native(preset), one)
+    natives = _pictures(shown, one)
+    where = np.ones(natives.shape[1:3], np.bool_) if one.everywhere else _where(shown, one)
+    wrong = [text for text in said if not any(words in text for words in one.says)]
     return Seen(pictures, natives, where, material.origin_of(ours).estimator, wrong)
 
 
-def default(shown: Scene, preset: Preset, shot: Shot) -> tuple[Material, list[str]]:
+def default(shown: Scene, preset: Preset, one: Scenario) -> tuple[Material, list[str]]:
     """What Automatic gives the scene's objects, and the warnings that come with it."""
-    said = assignment.assign(shown, [(name, preset) for name in shot.names], "nodes", "auto", 0.005)
-    made = shown.objects[shot.names[0]].active_material
-    shot.finish(made)
+    said = assignment.assign(shown, [(name, preset) for name in one.names], "nodes", "auto", 0.005)
+    made = shown.objects[one.names[0]].active_material
+    one.finish(shown, made)
     return made, said
 
 
-def _give(shown: Scene, made: Material, shot: Shot) -> None:
-    slots.apply(made, [shown.objects[name] for name in shot.names])
-    shot.finish(made)
+def _give(shown: Scene, made: Material, one: Scenario) -> None:
+    slots.apply(made, [shown.objects[name] for name in one.names])
+    one.finish(shown, made)
 
 
-def _pictures(shown: Scene, shot: Shot) -> Floats:
+def _pictures(shown: Scene, one: Scenario) -> Floats:
     """EEVEE draws nothing from a seed, and a render without a window takes seconds: one stands for all."""
     found: list[NDArray[np.float32]] = []
     for seed in SEEDS:
@@ -135,18 +136,18 @@ def _pictures(shown: Scene, shot: Shot) -> Floats:
             found.append(found[0])
             continue
         shown.cycles.seed = seed
-        found.append(shot.render(shown))
+        found.append(one.render(shown))
     return np.stack(found).astype(np.float64)
 
 
-def _where(shown: Scene, shot: Shot) -> NDArray[np.bool_]:
+def _where(shown: Scene, one: Scenario) -> NDArray[np.bool_]:
     """The pixels in which the material is seen, also through glass and in mirrors: where it would shine in Cycles."""
     shown.render.engine = "CYCLES"
     shown.view_layers[0].material_override = None
     shown.cycles.sample_clamp_direct = shown.cycles.sample_clamp_indirect = 0.0
     shown.cycles.use_denoising = False
     beacon = shaded("Emission", Strength=BEACON)
-    slots.apply(beacon, [shown.objects[name] for name in shot.names])
+    slots.apply(beacon, [shown.objects[name] for name in one.names])
     return np.mean(gonio.rendered(shown), axis=-1) > BEACON / 2.0
 
 
@@ -154,17 +155,17 @@ def time_over_native(
     name: str, subject: str, size: int = TIMING_SIZE, samples: int = TIMING_SAMPLES, rounds: int = ROUNDS
 ) -> float:
     """Processor time of the default over the native material's. The first round warms up."""
-    preset = preset_of(subject)
-    shown, shot = prepare(SCENES[name], size, samples)
+    preset, one = preset_of(subject), SCENES[name]
+    shown = prepare(one, size, samples)
     shown.cycles.use_adaptive_sampling = False
-    ours, _ = default(shown, preset, shot)
+    ours, _ = default(shown, preset, one)
     other = native(preset)
-    shot.finish(other)
+    one.finish(shown, other)
 
     def seconds(made: Material) -> float:
-        slots.apply(made, [shown.objects[one] for one in shot.names])
+        slots.apply(made, [shown.objects[name] for name in one.names])
         began = time.process_time()
-        shot.render(shown)
+        one.render(shown)
         return time.process_time() - began
 
     return statistics.median([seconds(ours) / seconds(other) for _ in range(rounds + 1)][1:])

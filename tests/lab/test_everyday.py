@@ -11,7 +11,7 @@ from vgroove import headless
 from vgroove.addon.blender.material import BUILDERS, NATIVE
 from vgroove.lab.bench import everyday, record
 from vgroove.lab.bench.cells import LIMIT, MAX_DOUBT
-from vgroove.lab.bench.everyday_stage import SCENES
+from vgroove.lab.bench.everyday_scenes import SCENES
 from vgroove.lab.report import claims, findings, tables
 from vgroove.nodegroups import versions
 

@@ -170,7 +170,7 @@ def copied(tmp_path_factory):
         ("lab/bench/figures/keys.py", ("figures",)),
         ("batch/cost.py", ("figures",)),
         ("lab/bench/peers/glass.py", ("accuracy", "picks", "everyday")),
-        ("lab/bench/everyday_lights.py", ("everyday",)),
+        ("lab/bench/everyday_scenes.py", ("everyday",)),
         ("osl/include/vgroove.h", tuple(PARTS)),
         ("nodegroups/random_numbers.py", tuple(PARTS)),
         ("presets/lecture/copper.toml", tuple(PARTS)),
