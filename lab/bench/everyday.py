@@ -15,6 +15,7 @@ from ... import headless
 from ...addon.blender import gonio, material, slots
 from ...addon.blender.material import BUILDERS
 from ...addon.library import presets
+from ...addon.reference import spherical
 from ...addon.reference.estimators import rendered as brdf
 from ...headless import assignment
 from ...nodegroups import versions
@@ -24,6 +25,7 @@ from .cells import Everyday
 from .everyday_scenes import SCENES
 from .everyday_stage import SAMPLES, SIZE, prepare, shaded
 from .record import Cell
+from .truth import frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -89,7 +91,7 @@ def _measured(name: str, subject: str) -> Everyday:
     verdict = judge(seen.ours, seen.natives, seen.where)
     mean, doubt = max(zip(verdict.mean, verdict.doubt, strict=True), key=lambda of: abs(of[0] - 1.0))
     return Everyday(
-        scene=name, title=one.title, subject=subject, estimator=seen.estimator, mean=mean, doubt=doubt,
+        title=one.title, subject=subject, estimator=seen.estimator, mean=mean, doubt=doubt,
         band=band(subject), apart=verdict.apart, bar=bar(subject), black=verdict.black, bright=verdict.bright,
         slowdown=slowdown, warnings=tuple(seen.said),
     )  # fmt: skip
@@ -241,19 +243,14 @@ def _balls(subject: str) -> Iterator[tuple[Floats, Floats]]:
 
 def of_ball(model: Any, angle: float, size: int = SIZE) -> tuple[Floats, Floats]:
     """Pictures (H, W, 3) of a ball by ``fit`` and by ``closure``, lit from ``angle`` degrees beside the view."""
-    step = np.radians(angle)
     place = (np.arange(size) + 0.5) / size * 2.0 - 1.0
     x, y = (axis.ravel() for axis in np.meshgrid(place, place))
-    z = np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0))
-    normal = np.stack([x, y, z], axis=-1)
-    across = np.hypot(x, y)
-    lit = normal @ [np.sin(step), 0.0, np.cos(step)]
-    along = (np.cos(step) - lit * z) / np.maximum(across, 1e-9)  # of the light, toward the viewer's side
-    beside = np.sqrt(np.maximum(1.0 - lit**2 - along**2, 0.0))
-    shown = (z > 0.02) & (lit > 1e-3)
-    wo = np.stack([across, 0.0 * z, z], axis=-1)[shown]
-    wi = np.stack([along, beside, lit], axis=-1)[shown]
-    wo, wi = (w / np.linalg.norm(w, axis=-1, keepdims=True) for w in (wo, wi))
+    normal = np.stack([x, y, np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0))], axis=-1)
+    eye, light = np.array([0.0, 0.0, 1.0]), spherical(np.radians(angle))
+    lit = normal @ light
+    shown = (normal @ eye > 0.02) & (lit > 1e-3)
+    axes = frame(normal[shown] / np.linalg.norm(normal[shown], axis=-1, keepdims=True))
+    wo, wi = axes @ eye, axes @ light
     pictures = []
     for estimator in ("fit", "closure"):
         picture = np.zeros((size * size, 3))

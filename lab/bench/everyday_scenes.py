@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import product
 from math import radians
 from typing import TYPE_CHECKING, Any
@@ -18,8 +19,10 @@ from . import everyday_stage as stage
 from .everyday_stage import NAME, SAYS_FRESNEL, Scenario, floor, light, map_of, put, settings, shaded, sky, square
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy as np
-    from bpy.types import Material, Node, NodeTree, Scene
+    from bpy.types import Material, Mesh, Node, NodeTree, Scene
     from numpy.typing import NDArray
 
 IES = """IESNA:LM-63-1995
@@ -56,10 +59,6 @@ def small_emitter(shown: Scene) -> None:
     lamp.data.materials.append(shaded("Emission", Strength=800.0))
 
 
-def large_emitter(shown: Scene) -> None:
-    square(shown, "Panel", 4.0, (-2.0, -5.0, 2.0), shaded("Emission", Strength=4.0), toward=(0, 0, 0))
-
-
 def sky_sun_disc(shown: Scene) -> None:
     tree, kind = shown.world.node_tree, "SINGLE_SCATTERING" if stage.MODERN else "NISHITA"
     sun = {"sun_disc": True, "sun_elevation": radians(35.0), "sun_rotation": radians(150.0)}
@@ -68,7 +67,7 @@ def sky_sun_disc(shown: Scene) -> None:
 
 
 def portal(shown: Scene) -> None:
-    wall = square(shown, "Wall", 8.0, (-3.0, 0.0, 0.0), shaded("BsdfDiffuse"))
+    wall = square(shown, "Wall", 8.0, (-3.0, 0.0, 0.0), partial(shaded, "BsdfDiffuse"))
     wall.rotation_euler.y = radians(90.0)
     window = light(shown, "AREA", 1.0, (2.0, -3.0, 3.0), size=3.0)
     window.data.cycles.is_portal = True
@@ -190,16 +189,12 @@ def baked(shown: Scene, kind: str, *passes: str) -> NDArray[np.float32]:
 # --- surfaces -------------------------------------------------------------------------------------------------------
 
 
-def alpha_card(shown: Scene) -> None:
-    def holes(tree: NodeTree) -> Node:
+def holes() -> Material:
+    def shader(tree: NodeTree) -> Node:
         clear, paper = (add_node(tree, kind) for kind in ("BsdfTransparent", "BsdfDiffuse"))
         return add_node(tree, "MixShader", Fac=checker(tree, (0, 0, 0), (1, 1, 1), 8.0), Shader=clear, Shader_001=paper)
 
-    square(shown, "Card", 3.0, (2.0, -2.1, 2.0), surface("Holes", holes), toward=(7.0, -7.0, 5.5))
-
-
-def pane(shown: Scene) -> None:
-    square(shown, "Pane", 3.0, (2.0, -2.0, 1.4), shaded("BsdfGlass", IOR=1.0), toward=shown.camera.location)
+    return surface("Holes", shader)
 
 
 def fog(shown: Scene) -> None:
@@ -220,12 +215,8 @@ def inside_out(shown: Scene) -> None:
     shown.objects[NAME].data.flip_normals()
 
 
-def low_poly(shown: Scene) -> None:
-    shown.objects[NAME].data = scene.ball_mesh(10, 6)
-
-
-def plane(shown: Scene) -> None:
-    shown.objects[NAME].data = quad("Plane", 12.0)
+def shaped(shown: Scene, make: Callable[..., Mesh], *size: Any) -> None:
+    shown.objects[NAME].data = make(*size)
 
 
 def text(shown: Scene) -> None:
@@ -238,7 +229,6 @@ def text(shown: Scene) -> None:
 
 def modifiers(shown: Scene) -> None:
     item = shown.objects[NAME]
-    item.data = scene.ball_mesh(8, 4)
     item.modifiers.new("Subdivision", "SUBSURF").render_levels = 3
     item.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.05
 
@@ -278,13 +268,16 @@ def particles(shown: Scene) -> None:
 def in_a_mirror(shown: Scene) -> None:
     item = shown.objects[NAME]
     item.location, item.visible_camera = (1.6, -1.6, 1.1), False
-    silver = shaded("BsdfGlossy", Color=(1.0, 1.0, 1.0), Roughness=0.0)
+    silver = partial(shaded, "BsdfGlossy", Color=(1.0, 1.0, 1.0), Roughness=0.0)
     mirror = square(shown, "Mirror", 8.0, (-1.0, 1.0, -0.7), silver, toward=shown.camera.location)
     mirror.rotation_euler.rotate_axis("X", radians(180.0))
 
 
 # --- the table ------------------------------------------------------------------------------------------------------
 
+PANEL = put(square, "Panel", 4.0, (-2.0, -5.0, 2.0), partial(shaded, "Emission", Strength=4.0), toward=(0, 0, 0))
+CARD = put(square, "Card", 3.0, (2.0, -2.1, 2.0), holes, toward=(7.0, -7.0, 5.5))
+PANE = put(square, "Pane", 3.0, (2.0, -2.0, 1.4), partial(shaded, "BsdfGlass", IOR=1.0), toward=(7.4, -6.9, 5.0))
 SUN, POINT = put(light, "SUN", 3.0), put(light, "POINT", 800.0)
 AREA, SMALL_AREA = (put(light, "AREA", 300.0, size=size) for size in (2.0, 1.0))
 TWO, PLASTIC, THREE = ("copper", "plaster"), ("copper", "plastic"), ("copper", "plaster", "plastic")
@@ -318,7 +311,7 @@ SCENES: dict[str, Scenario] = {
     ),
     "eight_lights": Scenario("eight mixed lights", (eight_lights,), TWO, timed=True),
     "small_emitter": Scenario("a small emissive mesh in a dim sky", (small_emitter,)),
-    "large_emitter": Scenario("a large emissive mesh", (large_emitter,), TWO, timed=True),
+    "large_emitter": Scenario("a large emissive mesh", (PANEL,), TWO, timed=True),
     "hdri": Scenario("environment map", (put(map_of, "forest"),), THREE, says=SAYS_FRESNEL, timed=True),
     "glass": Scenario(
         "a ball of glass in an environment map", (put(map_of, "studio"),),
@@ -394,8 +387,8 @@ SCENES: dict[str, Scenario] = {
         (put(settings, "render", engine=versions.EEVEE), put(settings, "eevee", taa_render_samples=1), SUN),
         THREE, slow=True, says=("engine is not Cycles", *SAYS_FRESNEL),
     ),
-    "alpha_card": Scenario("a card with holes between ball, light and camera", (SUN, alpha_card), TWO),
-    "behind_glass": Scenario("a pane of glass in front", (put(map_of, "interior"), pane)),
+    "alpha_card": Scenario("a card with holes between ball, light and camera", (SUN, CARD), TWO),
+    "behind_glass": Scenario("a pane of glass in front", (put(map_of, "interior"), PANE)),
     "volume": Scenario("a thin volume in front", (SUN, fog)),
     "mild_bump": Scenario(
         "a mild bump", (SUN,), THREE, says=SAYS_FRESNEL,
@@ -418,12 +411,17 @@ SCENES: dict[str, Scenario] = {
         finish=stage.driven("normal", stage.bumpy, strength=0.5, scale=3.0),
     ),
     "backfaces": Scenario("a ball turned inside out", (inside_out, POINT, put(sky, 0.2)), PLASTIC, says=SAYS_FRESNEL),
-    "low_poly": Scenario("a low-poly mesh with smooth shading", (low_poly, POINT), ("copper", "plaster", "rough")),
+    "low_poly": Scenario(
+        "a low-poly mesh with smooth shading", (put(shaped, scene.ball_mesh, 10, 6), POINT), (*TWO, "rough")
+    ),
     "plane": Scenario(
-        "a flat plane, seen at a low angle", (plane, put(stage.eye, (6.0, -6.0, 4.0)), put(map_of, "courtyard")), TWO
+        "a flat plane, seen at a low angle",
+        (put(shaped, quad, "Plane", 12.0), put(stage.eye, (6.0, -6.0, 4.0)), put(map_of, "courtyard")), TWO,
     ),
     "text": Scenario("a text object", (text, AREA)),
-    "modifiers": Scenario("modifiers: subdivision and a thickness", (modifiers, POINT), TWO),
+    "modifiers": Scenario(
+        "modifiers: subdivision and a thickness", (put(shaped, scene.ball_mesh, 8, 4), modifiers, POINT), TWO
+    ),
     "several_slots": Scenario("several materials on one mesh", (several_slots, SUN), says=("gets the material",)),
     "shared_mesh": Scenario("two objects that share a mesh, and a third", (twins, SMALL_AREA), names=(NAME, "Twin")),
     "instances": Scenario("instances by geometry nodes", (instances, SUN), timed=True),

@@ -106,20 +106,20 @@ def look_at(item: Object, at: Sequence[float] = (0, 0, 0)) -> None:
 
 
 def square(
-    shown: Scene, name: str, side: float, at: Sequence[float] = (0, 0, 0), made: Material | None = None,
+    shown: Scene, name: str, side: float, at: Sequence[float] = (0, 0, 0), make: Callable[[], Material] | None = None,
     toward: Sequence[float] | None = None,
 ) -> Object:  # fmt: skip
-    """A square, level unless it looks toward something."""
+    """A square of the material that ``make`` makes, level unless it looks toward something."""
     item = add_object(shown, name, quad(name, side), at)
-    if made is not None:
-        item.data.materials.append(made)
+    if make is not None:
+        item.data.materials.append(make())
     if toward is not None:
         look_at(item, toward)
     return item
 
 
 def floor(shown: Scene, level: float = 0.3) -> Object:
-    return square(shown, "Floor", 30.0, (0, 0, -1), shaded("BsdfDiffuse", Color=(level, level, level)))
+    return square(shown, "Floor", 30.0, (0, 0, -1), partial(shaded, "BsdfDiffuse", Color=(level, level, level)))
 
 
 def shaded(kind: str, socket: str = "Surface", **inputs: Any) -> Material:

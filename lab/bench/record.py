@@ -12,8 +12,11 @@ import os
 import platform
 import re
 import sys
+import time
 from dataclasses import dataclass, field
+from importlib import import_module
 from importlib.metadata import version
+from subprocess import SubprocessError
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 import cattrs
@@ -98,6 +101,21 @@ class Record:
     def run(self) -> BlenderRun:
         return self.report.runs[self.blender]
 
+    def missing(self, wanted: Sequence[Cell]) -> list[Cell]:
+        return [cell for cell in wanted if cell.key not in self.run.cells]
+
+    def measure(self, wanted: Sequence[Cell], folder: Path) -> Iterator[tuple[Cell, str]]:
+        """Measure each cell and keep it before the next starts; with each the reason why it failed, or ""."""
+        for cell in wanted:
+            start = time.perf_counter()
+            try:
+                measured = cell.measure(folder)
+            except (RuntimeError, ValueError, ArithmeticError, SubprocessError) as error:
+                yield cell, " ".join(f"{type(error).__name__}: {error}".split())
+            else:
+                self.add(cell.key, measured, time.perf_counter() - start)
+                yield cell, ""
+
     def add(self, key: str, cell: Any, seconds: float = 0.0) -> None:
         """Add a cell and write the file, with what another Blender's process has written to it meanwhile."""
         if self.path.exists():
@@ -106,6 +124,12 @@ class Record:
         self.run.seconds[key] = round(seconds, 1)
         self.run.code[part_of(key)] = self.digests[part_of(key)]
         write_text(self.path, to_json(self.report))
+
+
+def cells(*, quick: bool, more: Sequence[Cell] = ()) -> list[Cell]:
+    """Everything a report measures, the same in each run. more: cells of what the laboratory may not import."""
+    parts = (import_module(f".{name}", __package__) for name in PARTS)
+    return [*(cell for part in parts for cell in part.cells(quick=quick)), *more]
 
 
 def open_or_create(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -> Record:
