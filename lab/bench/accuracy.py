@@ -15,7 +15,6 @@ from __future__ import annotations
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -30,7 +29,6 @@ from .cells import Accuracy, Contender, Pictures
 from .contenders import Method
 from .flip import flip
 from .mitsuba_peer import PeerError, Rendered
-from .record import Cell
 from .scene_table import SCENES
 from .scenes import stage
 
@@ -44,6 +42,7 @@ if TYPE_CHECKING:
     from .mitsuba_peer import Peer
     from .scenes import Stage
 
+names = contenders.names
 SIZE, SMALLER = 14, 11  # pixels: a full report is to take less than an hour on two cores, on each Blender
 SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
 MIRROR, CLOSURE = "mirror, nodes", "closure, nodes"
@@ -62,13 +61,6 @@ LOOKED_AT = 16  # as have the references of pictures to look at
 # OSL shaders differ from nodes in time, elsewhere by about as much; and in Blender 4.5 where Cycles' own lobes have the
 # Fresnel term of a dielectric, exact only in OSL there.
 BOTH_BACKENDS = {("environment", "copper"), ("softbox", "copper"), ("softbox", "plastic")}
-
-
-def cells(*, quick: bool) -> list[Cell]:
-    return [
-        Cell(f"accuracy/{name}/{of}", partial(measure, name=name, subject=of, quick=quick))
-        for name, of in contenders.pairs(quick=quick)
-    ]
 
 
 def measure(folder: Path, name: str, subject: str, *, quick: bool) -> Accuracy:

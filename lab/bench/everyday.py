@@ -24,7 +24,6 @@ from . import contenders, peers
 from .cells import Everyday
 from .everyday_scenes import SCENES
 from .everyday_stage import SAMPLES, SIZE, prepare, shaded
-from .record import Cell
 from .truth import frame
 
 if TYPE_CHECKING:
@@ -73,11 +72,11 @@ class Verdict:
     bright: int
 
 
-def cells(*, quick: bool) -> list[Cell]:
-    return [Cell(f"everyday/{name}", partial(measure, name)) for name in (QUICK if quick else SCENES)]
+def names(*, quick: bool) -> list[str]:
+    return [*(QUICK if quick else SCENES)]
 
 
-def measure(name: str, _folder: Path | None = None) -> tuple[Everyday, ...]:
+def measure(_folder: Path, name: str, **_quick: bool) -> tuple[Everyday, ...]:
     """One scene with all of its subjects; none where this Blender cannot make it."""
     one = SCENES[name]
     return tuple(_measured(name, subject) for subject in one.subjects if versions.since(*one.since))

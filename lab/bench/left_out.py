@@ -17,7 +17,6 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,7 +31,6 @@ from ...headless import memory
 from ..scenery import add_object, light_data
 from . import scenes, universal, universal_data
 from .cells import LeftOut, OmittedPart
-from .record import Cell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -83,13 +81,11 @@ PUT_BACK = {  # what ``explain`` calls it -> what ``universal`` puts back
 }
 
 
-def cells(*, quick: bool) -> list[Cell]:
-    """One a preset."""
-    names = QUICK if quick else CASES
-    return [Cell(f"left_out/{name}", partial(measure, name, quick=quick)) for name in names]
+def names(*, quick: bool) -> list[str]:
+    return [*(QUICK if quick else CASES)]
 
 
-def measure(case: str, _folder: Path | None = None, *, quick: bool = False) -> tuple[LeftOut, ...]:
+def measure(_folder: Path, case: str, *, quick: bool = False) -> tuple[LeftOut, ...]:
     """A preset in all scenes; where its memory was measured, with that."""
     preset, backend = presets.find(CASES[case]), _backend()
     rounds = 1 if quick else ROUNDS

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """report.json: every number of a report, by Blender and by cell. Imports no bpy.
 
-A cell's key is PART/WHAT, such as "accuracy/softbox/copper"; ``cells`` has the type of each part.
+A cell's key is PART/NAME, such as "accuracy/softbox/copper"; module ``cells`` has the type of each part.
 """
 
 from __future__ import annotations
@@ -127,9 +127,16 @@ class Record:
 
 
 def cells(*, quick: bool, more: Sequence[Cell] = ()) -> list[Cell]:
-    """Everything a report measures, the same in each run. more: cells of what the laboratory may not import."""
-    parts = (import_module(f".{name}", __package__) for name in PARTS)
-    return [*(cell for part in parts for cell in part.cells(quick=quick)), *more]
+    """Everything a report measures, the same in each run. more: cells of what the laboratory may not import.
+
+    A part is a module of that name: ``names`` of its cells, and ``measure`` of the folder and what a name is made of.
+    """
+    parts = {part: import_module(f".{part}", __package__) for part in PARTS}
+    return [*(_cell(part, of, name, quick) for part, of in parts.items() for name in of.names(quick=quick)), *more]
+
+
+def _cell(part: str, of: Any, name: str, quick: bool) -> Cell:  # noqa: FBT001 - called above alone
+    return Cell(f"{part}/{name}", lambda folder: of.measure(folder, *name.split("/"), quick=quick))
 
 
 def open_or_create(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -> Record:
