@@ -107,21 +107,21 @@ def _measure(output: Path, again: list[Part], *, quick: bool) -> None:
 def _measure_missing(kept: Record, folder: Path, *, quick: bool) -> list[str]:
     """Measure the cells that a record lacks; returns the keys of those that failed."""
     start_blender()
-    from ..lab.bench import run
+    from ..lab.bench import record
 
     failed = []
-    wanted = run.cells(quick=quick, more=_cost_of_batch(quick=quick))
-    missing = run.missing(kept, wanted)
+    wanted = record.cells(quick=quick, more=_cost_of_batch(quick=quick))
+    missing = kept.missing(wanted)
     kept.run.wanted = len(wanted)
     if done := len(wanted) - len(missing):
         say(f"{done} of {len(wanted)} measurements are there already")
     try:
-        for cell, reason in progress(run.measure(kept, missing, folder), "measuring", len(missing)):
+        for cell, reason in progress(kept.measure(missing, folder), "measuring", len(missing)):
             if reason:
                 failed.append(cell.key)
                 say(f"vgroove: {cell.key}: {reason}")
     except KeyboardInterrupt:
-        done = len(wanted) - len(run.missing(kept, wanted))
+        done = len(wanted) - len(kept.missing(wanted))
         say(f"{done} of {len(wanted)} measurements are kept in {kept.path}")
         raise
     return failed

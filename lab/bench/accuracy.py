@@ -15,7 +15,6 @@ from __future__ import annotations
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -30,7 +29,6 @@ from .cells import Accuracy, Contender, Pictures
 from .contenders import Method
 from .flip import flip
 from .mitsuba_peer import PeerError, Rendered
-from .record import Cell
 from .scene_table import SCENES
 from .scenes import stage
 
@@ -44,6 +42,7 @@ if TYPE_CHECKING:
     from .mitsuba_peer import Peer
     from .scenes import Stage
 
+names = contenders.names
 SIZE, SMALLER = 14, 11  # pixels: a full report is to take less than an hour on two cores, on each Blender
 SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
 MIRROR, CLOSURE = "mirror, nodes", "closure, nodes"
@@ -55,23 +54,20 @@ PICTURE_SIZE, PICTURE_SAMPLES = 48, 64
 TRUTHS, FIRST_TRUTH = 4, 1001  # how many, and the first one's seed
 TRUTH_SAMPLES, RENDERED_SAMPLES = 8192, 16384  # a pixel of each truth
 QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
+FURNACE = "the reference's directional albedo at each pixel's direction"
+FORMULA = f"the reference's integral over lights and directions, {TRUTHS} times with independent random numbers"
+BY_MIRROR = f"{TRUTHS} independent pictures by mirror"
 LOOKED_AT = 16  # as have the references of pictures to look at
 # OSL shaders differ from nodes in time, elsewhere by about as much; and in Blender 4.5 where Cycles' own lobes have the
 # Fresnel term of a dielectric, exact only in OSL there.
 BOTH_BACKENDS = {("environment", "copper"), ("softbox", "copper"), ("softbox", "plastic")}
 
 
-def cells(*, quick: bool) -> list[Cell]:
-    return [
-        Cell(f"accuracy/{name}/{of}", partial(measure, name=name, subject=of, quick=quick))
-        for name, of in contenders.pairs(quick=quick)
-    ]
-
-
 def measure(folder: Path, name: str, subject: str, *, quick: bool) -> Accuracy:
     """One scene and subject."""
     counts = contenders.counts(quick=quick)
     preset = contenders.subjects()[subject]
+    source = FURNACE if name == "furnace" else FORMULA if truth.has(preset, name) else BY_MIRROR
     with headless.quiet(), ExitStack() as stack:
         other, without = _mitsuba(stack, name, preset)
         with stage(name, size_of(subject)) as shown:
@@ -89,7 +85,7 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> Accuracy:
     return Accuracy(
         scene=name, subject=subject, model=preset.model, roughness=roughness_of(preset), size=size_of(subject),
         samples=counts,
-        seeds=tuple(map(_seeds, counts)), truth=_source_of_truth(name, preset), independent=_is_computed(name, preset),
+        seeds=tuple(map(_seeds, counts)), truth=source, independent=source != BY_MIRROR,
         smooth=preset.transparent and preset.m == 0.0, contenders=scored, without=without, pictures=drawn,
     )  # fmt: skip
 
@@ -119,11 +115,6 @@ def _true(shown: Stage, name: str, preset: Preset, seed: int, fewer: int) -> NDA
     (mirror,) = (one for one in contenders.ours(preset, ("nodes",), lamps=False) if one.label == MIRROR)
     shown.item.active_material = mirror.make(shown.scene)
     return _render(shown, RENDERED_SAMPLES // fewer, seed).picture
-
-
-def _is_computed(name: str, preset: Preset) -> bool:
-    """Whether no picture of ``mirror`` is the truth."""
-    return name == "furnace" or truth.has(preset, name)
 
 
 def _race(shown: Stage, methods: list[Method], counts: tuple[int, ...]) -> dict[str, list[list[Rendered]]]:
@@ -220,7 +211,7 @@ def _render(shown: Stage, samples: int, seed: int) -> Rendered:
         for handlers in around:
             handlers.remove(note)
     (wall, cpu), (wall_end, cpu_end) = clocks
-    return Rendered(picture.astype(np.float64), samples, wall_end - wall, cpu_end - cpu)
+    return Rendered(picture.astype(np.float64), wall_end - wall, cpu_end - cpu)
 
 
 def _scored(
@@ -243,14 +234,6 @@ def _scored(
         cpu=np.array([np.median(seconds) for seconds in cpu]),
         cpu_spread=np.array([np.std(seconds, ddof=1) / np.mean(seconds) for seconds in cpu]),
     )  # fmt: skip
-
-
-def _source_of_truth(name: str, preset: Preset) -> str:
-    if name == "furnace":
-        return "the reference's directional albedo at each pixel's direction"
-    if truth.has(preset, name):
-        return f"the reference's integral over lights and directions, {TRUTHS} times with independent random numbers"
-    return f"{TRUTHS} independent pictures by mirror"
 
 
 def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other | None) -> Pictures:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ...addon import models
+from ...addon.models import fresnel as fresnel_kinds
 from ...nodegroups import cook_torrance_closure as closure
 from ...nodegroups import fresnel, osl_script
 from ...nodegroups._tree import Value, select
@@ -36,7 +36,7 @@ class AnyFresnel:
 
     def interface(self, tree: Tree) -> dict[str, Value]:
         f82, dielectric = (self.KINDS[kind].interface(tree) for kind in ("f82", "dielectric"))
-        terms = models.fresnel.KINDS["conductor"].parameters  # both indices are called IOR
+        terms = fresnel_kinds.KINDS["conductor"].parameters  # both indices are called IOR
         conductor = {one.name: add_input(tree, replace(one, label=one.symbol)) for one in terms}
         kind = {} if self._osl else {"kind": _kind_input(tree)}
         return f82 | dielectric | conductor | kind
@@ -62,7 +62,7 @@ def _is(value: Value, index: int) -> Value:
 
 
 def _of_kind(kind: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
-    return {one.name: parameters[one.name] for one in models.fresnel.KINDS[kind].parameters}
+    return {one.name: parameters[one.name] for one in fresnel_kinds.KINDS[kind].parameters}
 
 
 @contextmanager

@@ -17,10 +17,8 @@ Numbers: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
 
 LIMIT = 3.0  # standard errors by which a bias must exceed its bound to be distinguished from it
-SLOWER, MAX_DOUBT = (
-    1.3,
-    0.025,
-)  # largest slowdown of the default over a native material; largest standard error of its mean
+SLOWER = 1.3  # largest slowdown of the default over a native material
+MAX_DOUBT = 0.025  # largest standard error of its mean
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,13 +125,12 @@ class Case:
 class OmittedPart:
     """A component the builder left out, and why. Put back with a weight of 0 it adds ``nodes``.
 
-    slowdown: render time with it / without it. same: the picture does not change. None where it was not put back.
+    same: the picture does not change. None where it was not put back.
     """
 
     what: str
     why: str
     nodes: int | None = None
-    slowdown: float | None = None
     same: bool | None = None
 
 
@@ -142,8 +139,8 @@ class LeftOut:
     """A material as built, against the universal material, in one scene and setup. Pairs: as built, universal.
 
     slowdown: the universal material's render time over its own, the median of rounds; spread: the rounds' smallest and
-    largest. first: the same for a first render, which compiles. instructions: of OSL, 0 for nodes. memory_mb: beyond
-    what Blender held before. same: both show the same picture.
+    largest. instructions: of OSL, 0 for nodes. memory_mb: beyond what Blender held before. same: both show the same
+    picture.
     """
 
     case: str
@@ -153,7 +150,6 @@ class LeftOut:
     estimator: str
     slowdown: float
     spread: tuple[float, float]
-    first: float
     nodes: tuple[int, int]
     instructions: tuple[int, int] = (0, 0)
     memory_mb: tuple[float, float] | None = None
@@ -180,7 +176,6 @@ class Everyday:
     slowdown: over the native material's time, None where it was not measured. warnings: those that are wrong there.
     """
 
-    scene: str
     title: str
     subject: str
     estimator: str

@@ -36,9 +36,9 @@ PAIRS = (
 QUICK_PAIRS = (("furnace", "copper"), ("sun", "copper"), ("softbox", "plaster"))
 
 
-def pairs(*, quick: bool) -> tuple[tuple[str, str], ...]:
-    """Scenes and subjects that are rendered."""
-    return QUICK_PAIRS if quick else PAIRS
+def names(*, quick: bool) -> list[str]:
+    """SCENE/SUBJECT of all that is rendered."""
+    return ["/".join(pair) for pair in (QUICK_PAIRS if quick else PAIRS)]
 
 
 def counts(*, quick: bool) -> tuple[int, ...]:

@@ -24,7 +24,7 @@ HERE = "lab/bench"
 BY_NAME = {"groups.py": "nodegroups"}  # what a module of this name imports by name, if not its own folder
 HANDED_OVER = {"figures": ("batch/cost.py",)}  # what the command line measures for a part
 # They register the extension, or keep numbers, and decide none.
-SILENT = {"__init__.py", "addon/__init__.py", *(f"{HERE}/{name}.py" for name in ("record", "run", "digest"))}
+SILENT = {"__init__.py", "addon/__init__.py", *(f"{HERE}/{name}.py" for name in ("record", "digest"))}
 DATA = ("osl/**/*.osl", "osl/**/*.h", "presets/**/*.toml")  # and TOML files beside modules of their names
 
 

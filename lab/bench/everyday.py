@@ -15,14 +15,16 @@ from ... import headless
 from ...addon.blender import gonio, material, slots
 from ...addon.blender.material import BUILDERS
 from ...addon.library import presets
+from ...addon.reference import spherical
 from ...addon.reference.estimators import rendered as brdf
 from ...headless import assignment
 from ...nodegroups import versions
 from ..scenery import surface
-from . import contenders, everyday_lights, everyday_settings, everyday_surfaces, peers  # noqa: F401 - fill SCENES
+from . import contenders, peers
 from .cells import Everyday
-from .everyday_stage import SAMPLES, SCENES, SIZE, prepare, shaded
-from .record import Cell
+from .everyday_scenes import SCENES
+from .everyday_stage import SAMPLES, SIZE, prepare, shaded
+from .truth import frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...addon.library.presets import Preset
-    from .everyday_stage import Shot
+    from .everyday_stage import Scenario
 
     Floats = NDArray[np.float64]
 
@@ -70,11 +72,11 @@ class Verdict:
     bright: int
 
 
-def cells(*, quick: bool) -> list[Cell]:
-    return [Cell(f"everyday/{name}", partial(measure, name)) for name in (QUICK if quick else SCENES)]
+def names(*, quick: bool) -> list[str]:
+    return [*(QUICK if quick else SCENES)]
 
 
-def measure(name: str, _folder: Path | None = None) -> tuple[Everyday, ...]:
+def measure(_folder: Path, name: str, **_quick: bool) -> tuple[Everyday, ...]:
     """One scene with all of its subjects; none where this Blender cannot make it."""
     one = SCENES[name]
     return tuple(_measured(name, subject) for subject in one.subjects if versions.since(*one.since))
@@ -88,7 +90,7 @@ def _measured(name: str, subject: str) -> Everyday:
     verdict = judge(seen.ours, seen.natives, seen.where)
     mean, doubt = max(zip(verdict.mean, verdict.doubt, strict=True), key=lambda of: abs(of[0] - 1.0))
     return Everyday(
-        scene=name, title=one.title, subject=subject, estimator=seen.estimator, mean=mean, doubt=doubt,
+        title=one.title, subject=subject, estimator=seen.estimator, mean=mean, doubt=doubt,
         band=band(subject), apart=verdict.apart, bar=bar(subject), black=verdict.black, bright=verdict.bright,
         slowdown=slowdown, warnings=tuple(seen.said),
     )  # fmt: skip
@@ -103,31 +105,31 @@ def preset_of(subject: str) -> Preset:
 
 def look(name: str, subject: str, size: int = SIZE, samples: int = SAMPLES) -> Seen:
     """Both materials in a scene. Empties the session."""
-    preset = preset_of(subject)
-    shown, shot = prepare(SCENES[name], size, samples)
-    ours, said = default(shown, preset, shot)
-    pictures = _pictures(shown, shot)
-    _give(shown, native(preset), shot)
-    natives = _pictures(shown, shot)
-    where = np.ones(natives.shape[1:3], np.bool_) if shot.everywhere else _where(shown, shot)
-    wrong = [text for text in said if not any(words in text for words in SCENES[name].says)]
+    preset, one = preset_of(subject), SCENES[name]
+    shown = prepare(one, size, samples)
+    ours, said = default(shown, preset, one)
+    pictures = _pictures(shown, one)
+    _give(shown, native(preset), one)
+    natives = _pictures(shown, one)
+    where = np.ones(natives.shape[1:3], np.bool_) if one.everywhere else _where(shown, one)
+    wrong = [text for text in said if not any(words in text for words in one.says)]
     return Seen(pictures, natives, where, material.origin_of(ours).estimator, wrong)
 
 
-def default(shown: Scene, preset: Preset, shot: Shot) -> tuple[Material, list[str]]:
+def default(shown: Scene, preset: Preset, one: Scenario) -> tuple[Material, list[str]]:
     """What Automatic gives the scene's objects, and the warnings that come with it."""
-    said = assignment.assign(shown, [(name, preset) for name in shot.names], "nodes", "auto", 0.005)
-    made = shown.objects[shot.names[0]].active_material
-    shot.finish(made)
+    said = assignment.assign(shown, [(name, preset) for name in one.names], "nodes", "auto", 0.005)
+    made = shown.objects[one.names[0]].active_material
+    one.finish(shown, made)
     return made, said
 
 
-def _give(shown: Scene, made: Material, shot: Shot) -> None:
-    slots.apply(made, [shown.objects[name] for name in shot.names])
-    shot.finish(made)
+def _give(shown: Scene, made: Material, one: Scenario) -> None:
+    slots.apply(made, [shown.objects[name] for name in one.names])
+    one.finish(shown, made)
 
 
-def _pictures(shown: Scene, shot: Shot) -> Floats:
+def _pictures(shown: Scene, one: Scenario) -> Floats:
     """EEVEE draws nothing from a seed, and a render without a window takes seconds: one stands for all."""
     found: list[NDArray[np.float32]] = []
     for seed in SEEDS:
@@ -135,18 +137,18 @@ def _pictures(shown: Scene, shot: Shot) -> Floats:
             found.append(found[0])
             continue
         shown.cycles.seed = seed
-        found.append(shot.render(shown))
+        found.append(one.render(shown))
     return np.stack(found).astype(np.float64)
 
 
-def _where(shown: Scene, shot: Shot) -> NDArray[np.bool_]:
+def _where(shown: Scene, one: Scenario) -> NDArray[np.bool_]:
     """The pixels in which the material is seen, also through glass and in mirrors: where it would shine in Cycles."""
     shown.render.engine = "CYCLES"
     shown.view_layers[0].material_override = None
     shown.cycles.sample_clamp_direct = shown.cycles.sample_clamp_indirect = 0.0
     shown.cycles.use_denoising = False
     beacon = shaded("Emission", Strength=BEACON)
-    slots.apply(beacon, [shown.objects[name] for name in shot.names])
+    slots.apply(beacon, [shown.objects[name] for name in one.names])
     return np.mean(gonio.rendered(shown), axis=-1) > BEACON / 2.0
 
 
@@ -154,17 +156,17 @@ def time_over_native(
     name: str, subject: str, size: int = TIMING_SIZE, samples: int = TIMING_SAMPLES, rounds: int = ROUNDS
 ) -> float:
     """Processor time of the default over the native material's. The first round warms up."""
-    preset = preset_of(subject)
-    shown, shot = prepare(SCENES[name], size, samples)
+    preset, one = preset_of(subject), SCENES[name]
+    shown = prepare(one, size, samples)
     shown.cycles.use_adaptive_sampling = False
-    ours, _ = default(shown, preset, shot)
+    ours, _ = default(shown, preset, one)
     other = native(preset)
-    shot.finish(other)
+    one.finish(shown, other)
 
     def seconds(made: Material) -> float:
-        slots.apply(made, [shown.objects[one] for one in shot.names])
+        slots.apply(made, [shown.objects[name] for name in one.names])
         began = time.process_time()
-        shot.render(shown)
+        one.render(shown)
         return time.process_time() - began
 
     return statistics.median([seconds(ours) / seconds(other) for _ in range(rounds + 1)][1:])
@@ -240,19 +242,14 @@ def _balls(subject: str) -> Iterator[tuple[Floats, Floats]]:
 
 def of_ball(model: Any, angle: float, size: int = SIZE) -> tuple[Floats, Floats]:
     """Pictures (H, W, 3) of a ball by ``fit`` and by ``closure``, lit from ``angle`` degrees beside the view."""
-    step = np.radians(angle)
     place = (np.arange(size) + 0.5) / size * 2.0 - 1.0
     x, y = (axis.ravel() for axis in np.meshgrid(place, place))
-    z = np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0))
-    normal = np.stack([x, y, z], axis=-1)
-    across = np.hypot(x, y)
-    lit = normal @ [np.sin(step), 0.0, np.cos(step)]
-    along = (np.cos(step) - lit * z) / np.maximum(across, 1e-9)  # of the light, toward the viewer's side
-    beside = np.sqrt(np.maximum(1.0 - lit**2 - along**2, 0.0))
-    shown = (z > 0.02) & (lit > 1e-3)
-    wo = np.stack([across, 0.0 * z, z], axis=-1)[shown]
-    wi = np.stack([along, beside, lit], axis=-1)[shown]
-    wo, wi = (w / np.linalg.norm(w, axis=-1, keepdims=True) for w in (wo, wi))
+    normal = np.stack([x, y, np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0))], axis=-1)
+    eye, light = np.array([0.0, 0.0, 1.0]), spherical(np.radians(angle))
+    lit = normal @ light
+    shown = (normal @ eye > 0.02) & (lit > 1e-3)
+    axes = frame(normal[shown] / np.linalg.norm(normal[shown], axis=-1, keepdims=True))
+    wo, wi = axes @ eye, axes @ light
     pictures = []
     for estimator in ("fit", "closure"):
         picture = np.zeros((size * size, 3))

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes as artists make them: Blender's own settings, one idea each, a ball "Subject" that takes the material.
 
-A maker is given Blender's start scene in small, without its cube and its light, and adds its idea. Where the idea is
-in the material or in how the picture is taken, it returns a ``Shot`` that says so.
+Each adds its idea to Blender's start scene in small, without its cube and its light; ``everyday_scenes`` is the table.
 """
 
 from __future__ import annotations
@@ -36,51 +35,30 @@ SAYS_FRESNEL = ("approximates this Fresnel term",) if not versions.EXACT_CONDUCT
 
 
 @dataclass(frozen=True)
-class Shot:
-    """How the picture of a scene is taken, where not as usual.
+class Scenario:
+    """A scene, the presets that are tried in it, and how its picture is taken.
 
-    names: the objects that take the material. finish: what is done to the material after that. render: takes the
+    adds: what is added to the start scene, in order. says: words of the warnings that are right here. since: the first
+    Blender that can do it. slow: tested on the newest Blender alone. timed: whether its time is judged. names: the
+    objects that take the material. finish: what is done to the scene and the material after that. render: takes the
     picture. everywhere: judge all pixels, not those alone that show the material.
     """
 
-    names: tuple[str, ...] = (NAME,)
-    finish: Callable[[Material], None] = lambda _made: None
-    render: Callable[[Scene], NDArray[np.float32]] = gonio.rendered
-    everywhere: bool = False
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """A scene and the presets that are tried in it.
-
-    says: words of the warnings that are right here. since: the first Blender that can do it. slow: tested on
-    the newest Blender alone. timed: whether its time is judged; a scene's that takes one is.
-    """
-
     title: str
-    make: Callable[[Scene], Shot | None]
-    subjects: tuple[str, ...]
+    adds: tuple[Callable[[Scene], Any], ...] = ()
+    subjects: tuple[str, ...] = ("copper",)
     says: tuple[str, ...] = ()
     since: tuple[int, int] = (0, 0)
     slow: bool = False
     timed: bool = False
+    names: tuple[str, ...] = (NAME,)
+    finish: Callable[[Scene, Material], None] = lambda _shown, _made: None
+    render: Callable[[Scene], NDArray[np.float32]] = gonio.rendered
+    everywhere: bool = False
 
 
-SCENES: dict[str, Scenario] = {}  # filled by ``everyday``
-
-
-def everyday(title: str, *subjects: str, **more: Any) -> Callable[[Any], Any]:
-    """Add the function as a scene, which is called as it is; copper is tried if nothing else is named."""
-
-    def add(make: Callable[[Scene], Shot | None]) -> Callable[[Scene], Shot | None]:
-        SCENES[make.__name__] = Scenario(title, make, subjects or ("copper",), **more)
-        return make
-
-    return add
-
-
-def prepare(one: Scenario, size: int = SIZE, samples: int = SAMPLES) -> tuple[Scene, Shot]:
-    """A scene and how its picture is taken. Empties the session."""
+def prepare(one: Scenario, size: int = SIZE, samples: int = SAMPLES) -> Scene:
+    """The scene. Empties the session."""
     bpy.ops.wm.read_factory_settings()
     shown = bpy.context.scene
     shown.render.engine, shown.cycles.device = "CYCLES", "CPU"
@@ -90,12 +68,24 @@ def prepare(one: Scenario, size: int = SIZE, samples: int = SAMPLES) -> tuple[Sc
     for unwanted in ("Cube", "Light"):
         bpy.data.objects.remove(shown.objects[unwanted])
     add_object(shown, NAME, scene.ball_mesh(48, 24))
-    shot = one.make(shown) or Shot()
+    for add in one.adds:
+        add(shown)
     bpy.context.view_layer.update()
-    return shown, shot
+    return shown
 
 
 # --- what scenes are made of ----------------------------------------------------------------------------------------
+
+
+def put(make: Callable[..., Any], *given: Any, **named: Any) -> Callable[[Scene], Any]:
+    """What does that to a scene: ``make`` with all of its arguments but the first."""
+    return lambda shown: make(shown, *given, **named)
+
+
+def settings(shown: Scene, of: str, **values: Any) -> None:
+    """Set properties of what is found by a path from the scene."""
+    for name, value in values.items():
+        setattr(shown.path_resolve(of), name, value)
 
 
 def light(shown: Scene, kind: str, energy: float, at: Sequence[float] = (3.0, -3.5, 4.0), **settings: Any) -> Object:
@@ -105,25 +95,31 @@ def light(shown: Scene, kind: str, energy: float, at: Sequence[float] = (3.0, -3
     return item
 
 
+def eye(shown: Scene, at: Sequence[float]) -> None:
+    """Move the camera, and look at the ball."""
+    shown.camera.location = at
+    look_at(shown.camera)
+
+
 def look_at(item: Object, at: Sequence[float] = (0, 0, 0)) -> None:
     item.rotation_euler = (Vector(at) - item.location).to_track_quat("-Z", "Y").to_euler()
 
 
 def square(
-    shown: Scene, name: str, side: float, at: Sequence[float] = (0, 0, 0), made: Material | None = None,
+    shown: Scene, name: str, side: float, at: Sequence[float] = (0, 0, 0), make: Callable[[], Material] | None = None,
     toward: Sequence[float] | None = None,
 ) -> Object:  # fmt: skip
-    """A square, level unless it looks toward something."""
+    """A square of the material that ``make`` makes, level unless it looks toward something."""
     item = add_object(shown, name, quad(name, side), at)
-    if made is not None:
-        item.data.materials.append(made)
+    if make is not None:
+        item.data.materials.append(make())
     if toward is not None:
         look_at(item, toward)
     return item
 
 
 def floor(shown: Scene, level: float = 0.3) -> Object:
-    return square(shown, "Floor", 30.0, (0, 0, -1), shaded("BsdfDiffuse", Color=(level, level, level)))
+    return square(shown, "Floor", 30.0, (0, 0, -1), partial(shaded, "BsdfDiffuse", Color=(level, level, level)))
 
 
 def shaded(kind: str, socket: str = "Surface", **inputs: Any) -> Material:
@@ -141,21 +137,21 @@ def map_of(shown: Scene, name: str, strength: float = 1.0) -> None:
     shown.world.cycles.sampling_method, shown.world.cycles.sample_map_resolution = "MANUAL", 512
 
 
-def uv_sphere(item: Object) -> None:
+def uv_sphere(shown: Scene) -> None:
     """Longitude and latitude as the ball's UVs."""
-    mesh = item.data
+    mesh = shown.objects[NAME].data
     layer = mesh.uv_layers.new(name="UVMap")
     for loop in mesh.loops:
         x, y, z = mesh.vertices[loop.vertex_index].co
         layer.data[loop.index].uv = (np.arctan2(y, x) / (2 * np.pi) + 0.5, np.arcsin(np.clip(z, -1, 1)) / np.pi + 0.5)
 
 
-def driven(what: str, make: Callable[..., Node], **given: Any) -> Shot:
+def driven(what: str, make: Callable[..., Node], **given: Any) -> Callable[[Scene, Material], None]:
     """Link a texture that ``make`` adds to "normal", "colour" or "slope" of the material, ours or a native one."""
-    return Shot(finish=partial(_drive, what=what, make=partial(make, **given)))
+    return partial(_drive, what=what, make=partial(make, **given))
 
 
-def _drive(made: Material, what: str, make: Callable[[NodeTree], Node]) -> None:
+def _drive(_shown: Scene, made: Material, what: str, make: Callable[[NodeTree], Node]) -> None:
     tree = made.node_tree
     for socket in _inputs(tree, what):
         source = make(tree)

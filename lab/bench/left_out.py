@@ -5,10 +5,9 @@ For each preset and scene: nodes, compiled OSL instructions and processor time o
 universal one, and whether pictures of the same seed agree; then each component that the builder left out is put back
 with a weight of 0 by data.
 
-A first render has one sample; it synchronises and compiles. The others have ``SAMPLES``, by a Cycles that has compiled
-before. Times are medians of rounds that take turns; those of a part put back are of one round, with compiling. Memory
-is by how much a process grows when it makes the material. SVM's count of instructions is only in Cycles' log, which the
-Python module cannot switch on: nodes have no figure but their number.
+Renders are timed by a Cycles that has compiled before; times are medians of rounds that take turns. Memory is by how
+much a process grows when it makes the material. SVM's count of instructions is only in Cycles' log, which the Python
+module cannot switch on: nodes have no figure but their number.
 """
 
 from __future__ import annotations
@@ -18,11 +17,8 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
-from functools import partial
-from math import radians
 from typing import TYPE_CHECKING, Any
 
-import bpy
 import numpy as np
 
 from ... import headless
@@ -31,11 +27,10 @@ from ...addon.blender.course import Play
 from ...addon.blender.material import RANDOM, build
 from ...addon.choose import explain
 from ...addon.library import presets
-from ...headless import memory, scene
-from ..scenery import add_object, light_data, write_exact
-from . import universal, universal_data
+from ...headless import memory
+from ..scenery import add_object, light_data
+from . import scenes, universal, universal_data
 from .cells import LeftOut, OmittedPart
-from .record import Cell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -86,13 +81,11 @@ PUT_BACK = {  # what ``explain`` calls it -> what ``universal`` puts back
 }
 
 
-def cells(*, quick: bool) -> list[Cell]:
-    """One a preset."""
-    names = QUICK if quick else CASES
-    return [Cell(f"left_out/{name}", partial(measure, name, quick=quick)) for name in names]
+def names(*, quick: bool) -> list[str]:
+    return [*(QUICK if quick else CASES)]
 
 
-def measure(case: str, _folder: Path | None = None, *, quick: bool = False) -> tuple[LeftOut, ...]:
+def measure(_folder: Path, case: str, *, quick: bool = False) -> tuple[LeftOut, ...]:
     """A preset in all scenes; where its memory was measured, with that."""
     preset, backend = presets.find(CASES[case]), _backend()
     rounds = 1 if quick else ROUNDS
@@ -117,13 +110,8 @@ def stage(name: str, size: int = SIZE) -> Scene:
     The ball is at the origin, unturned: else Cycles rounds its points again where it cannot apply transforms, such as
     with subsurface scattering, and the hash of a position would give other random numbers.
     """
-    shown = scene.preview("studio")
-    for old in ("Floor", "Sun"):
-        bpy.data.objects.remove(shown.objects[old])
-    shown.objects["Ball"].location = (0.0, 0.0, 0.0)
-    write_exact(shown, size)
-    shown.view_settings.view_transform = "Raw"
-    shown.camera.location, shown.camera.rotation_euler = (0.0, -6.0, 0.0), (radians(90.0), 0.0, 0.0)
+    shown = scenes.ball(size, height=0.0)
+    shown.render.use_persistent_data = False
     shown.world.cycles.sampling_method, shown.world.cycles.sample_map_resolution = "MANUAL", 256  # else 2 s a render
     if name == "softbox":
         shown.world = None
@@ -154,40 +142,35 @@ def setup(
         choice = replace(account.choice, play=play)
         data = universal_data.data_of(preset, (FRAME - 1.0) / LENGTH, play)
         pair = {"built": (build(preset, choice), data), "universal": (universal.build(choice), data)}
-        first, full, pictures = _turns(shown, pair, rounds, backend)
+        seconds, pictures = _turns(shown, pair, rounds, backend)
         independent = _redraws(preset, choice)
-        same = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], independent=independent)
+        same = _compared(pictures["built"], pictures["universal"], SAMPLES[backend], independent=independent)["same"]
         lines = _lines(shown, preset, account, most=0 if name == OSL_SCENE else most)
         sizes = {which: explain.size_of(made) for which, (made, _) in pair.items()}
-    ratios = [one["universal"] / max(one["built"], 1e-3) for one in full]
+    ratios = [one["universal"] / max(one["built"], 1e-3) for one in seconds]
     return LeftOut(
         case=case, preset=preset.id, scene=name, backend=backend, estimator=account.estimator,
         slowdown=statistics.median(ratios), spread=(min(ratios), max(ratios)),
-        first=statistics.median(one["universal"] / max(one["built"], 1e-3) for one in first),
         nodes=(sizes["built"].nodes, sizes["universal"].nodes),
         instructions=(sizes["built"].instructions, sizes["universal"].instructions),
-        same=same["same"], omitted=lines,
+        same=same, omitted=lines,
     )  # fmt: skip
 
 
 def _turns(
     shown: Scene, pair: Mapping[str, tuple[Material, dict[str, Any]]], rounds: int, backend: str
-) -> tuple[list[dict[str, float]], list[dict[str, float]], dict[str, NDArray[np.float64]]]:  # fmt: skip
-    """Processor seconds of first renders and of further ones, round by round, and the pictures.
-
-    Each material has a scene of its own, whose Cycles keeps what it compiled. OSL compiles but once: it takes long.
-    """
-    scenes = {which: _twin(shown) for which in pair}
-    first = [{which: _render(scenes[which], *of, 1)[1] for which, of in pair.items()}]
-    more = rounds - 1 if backend == "nodes" else 0
-    first += [{which: _render(shown, *of, 1)[1] for which, of in pair.items()} for _ in range(more)]
-    full, pictures = [], {}
+) -> tuple[list[dict[str, float]], dict[str, NDArray[np.float64]]]:
+    """Processor seconds, round by round, and the pictures. Each material has a scene of its own, whose Cycles keeps
+    what it compiled.
+    """  # noqa: D205
+    twins = {which: _twin(shown) for which in pair}
+    for which, of in pair.items():
+        _render(twins[which], *of, 1)
+    seconds: list[dict[str, float]] = []
     for _ in range(rounds):
-        seconds = {}
-        for which, of in pair.items():
-            pictures[which], seconds[which] = _render(scenes[which], *of, SAMPLES[backend])
-        full.append(seconds)
-    return first, full, pictures
+        renders = {which: _render(twins[which], *of, SAMPLES[backend]) for which, of in pair.items()}
+        seconds.append({which: taken for which, (_, taken) in renders.items()})
+    return seconds, {which: picture for which, (picture, _) in renders.items()}
 
 
 def _twin(shown: Scene) -> Scene:
@@ -216,7 +199,7 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None =
     independent = _redraws(preset, account.choice)
     start = universal_data.data_of(preset, 0.0, Play("age", 1.0, LENGTH) if preset.time else None)
     nothing = universal_data.data_of(None)
-    plain, seconds = _render(shown, built, nothing, samples)
+    plain, _ = _render(shown, built, nothing, samples)
     for index, (_, part) in enumerate(listed[:most]):
         if part == "time":
             other, data = universal.with_time(built), start
@@ -224,10 +207,10 @@ def _lines(shown: Scene, preset: Preset, account: Account, *, most: int | None =
             other, data = universal.without_eevee(built), nothing
         else:
             other, data = universal.with_part(built, account.choice, part), nothing
-        picture, more = _render(shown, other, data, samples)
+        picture, _ = _render(shown, other, data, samples)
         nodes = abs(explain.size_of(other).nodes - explain.size_of(built).nodes)
         same = _compared(plain, picture, samples, independent=independent)["same"]
-        named[index] = replace(named[index], nodes=nodes, slowdown=more / seconds, same=same)
+        named[index] = replace(named[index], nodes=nodes, same=same)
     return tuple(named)
 
 

@@ -55,13 +55,9 @@ class PeerError(RuntimeError):
 
 @dataclass(frozen=True)
 class Rendered:
-    """A picture in linear RGB, (H, W, 3), and the seconds that its render took.
-
-    samples: a pixel, as the sampler rounded them up to a grid.
-    """
+    """A picture in linear RGB, (H, W, 3), and the seconds that its render took."""
 
     picture: NDArray[np.float64]
-    samples: int
     wall: float
     cpu: float
 

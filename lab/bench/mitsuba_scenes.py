@@ -154,7 +154,7 @@ class Renderer:
         wall, cpu = time.perf_counter(), time.process_time()
         picture = self._picture(samples, seed)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        return picture, self.shown.sensors()[0].sampler().sample_count(), wall, cpu
+        return picture, wall, cpu
 
     @cached_property
     def world(self) -> Any:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 from ... import headless
@@ -13,20 +12,13 @@ from ...addon.choose import automatic
 from ...addon.models import estimators
 from . import contenders
 from .cells import Picks
-from .record import Cell
 from .scenes import stage
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+names = contenders.names
 SIZE = 8  # pixels, which decide nothing
-
-
-def cells(*, quick: bool) -> list[Cell]:
-    return [
-        Cell(f"picks/{name}/{of}", partial(measure, name=name, subject=of, quick=quick))
-        for name, of in contenders.pairs(quick=quick)
-    ]
 
 
 def measure(_folder: Path, name: str, subject: str, *, quick: bool) -> Picks:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """report.json: every number of a report, by Blender and by cell. Imports no bpy.
 
-A cell's key is PART/WHAT, such as "accuracy/softbox/copper"; ``cells`` has the type of each part.
+A cell's key is PART/NAME, such as "accuracy/softbox/copper"; module ``cells`` has the type of each part.
 """
 
 from __future__ import annotations
@@ -12,8 +12,11 @@ import os
 import platform
 import re
 import sys
+import time
 from dataclasses import dataclass, field
+from importlib import import_module
 from importlib.metadata import version
+from subprocess import SubprocessError
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 import cattrs
@@ -98,6 +101,21 @@ class Record:
     def run(self) -> BlenderRun:
         return self.report.runs[self.blender]
 
+    def missing(self, wanted: Sequence[Cell]) -> list[Cell]:
+        return [cell for cell in wanted if cell.key not in self.run.cells]
+
+    def measure(self, wanted: Sequence[Cell], folder: Path) -> Iterator[tuple[Cell, str]]:
+        """Measure each cell and keep it before the next starts; with each the reason why it failed, or ""."""
+        for cell in wanted:
+            start = time.perf_counter()
+            try:
+                measured = cell.measure(folder)
+            except (RuntimeError, ValueError, ArithmeticError, SubprocessError) as error:
+                yield cell, " ".join(f"{type(error).__name__}: {error}".split())
+            else:
+                self.add(cell.key, measured, time.perf_counter() - start)
+                yield cell, ""
+
     def add(self, key: str, cell: Any, seconds: float = 0.0) -> None:
         """Add a cell and write the file, with what another Blender's process has written to it meanwhile."""
         if self.path.exists():
@@ -106,6 +124,19 @@ class Record:
         self.run.seconds[key] = round(seconds, 1)
         self.run.code[part_of(key)] = self.digests[part_of(key)]
         write_text(self.path, to_json(self.report))
+
+
+def cells(*, quick: bool, more: Sequence[Cell] = ()) -> list[Cell]:
+    """Everything a report measures, the same in each run. more: cells of what the laboratory may not import.
+
+    A part is a module of that name: ``names`` of its cells, and ``measure`` of the folder and what a name is made of.
+    """
+    parts = {part: import_module(f".{part}", __package__) for part in PARTS}
+    return [*(_cell(part, of, name, quick) for part, of in parts.items() for name in of.names(quick=quick)), *more]
+
+
+def _cell(part: str, of: Any, name: str, quick: bool) -> Cell:  # noqa: FBT001 - called above alone
+    return Cell(f"{part}/{name}", lambda folder: of.measure(folder, *name.split("/"), quick=quick))
 
 
 def open_or_create(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -> Record:

@@ -47,7 +47,7 @@ def stage(name: str, size: int) -> Iterator[Stage]:
             patch = next(item for item in shown.objects if item.type == "MESH")
             yield Stage(shown, patch, np.ones((size, size), np.bool_))
         return
-    kind, shown = table.SCENES[name], _ball(size)
+    kind, shown = table.SCENES[name], ball(size)
     if kind.mapped:
         _hold(shown, table.BRIGHTEST)
     else:
@@ -69,7 +69,8 @@ def ball_pixels(size: int) -> NDArray[np.bool_]:
     return np.hypot(x, y) < radius - 1.5 / size
 
 
-def _ball(size: int) -> Scene:
+def ball(size: int, height: float = 1.0) -> Scene:
+    """A unit ball under the studio's map, its middle and the camera at a height in metres."""
     shown = scene.preview("studio")
     for name in ("Floor", "Sun"):
         bpy.data.objects.remove(shown.objects[name])
@@ -77,7 +78,8 @@ def _ball(size: int) -> Scene:
     shown.render.use_persistent_data = True
     shown.cycles.pixel_filter_type, shown.cycles.filter_width = "BOX", 1.0  # as other renderers have it
     shown.view_settings.view_transform = "Raw"
-    shown.camera.location, shown.camera.rotation_euler = (0.0, -table.DISTANCE, 1.0), (radians(90.0), 0.0, 0.0)
+    shown.objects["Ball"].location.z = height
+    shown.camera.location, shown.camera.rotation_euler = (0.0, -table.DISTANCE, height), (radians(90.0), 0.0, 0.0)
     shown.camera.data.lens, shown.camera.data.sensor_width = table.LENS, table.SENSOR
     return shown
 

@@ -17,7 +17,6 @@ from ..sidak import limit
 from . import stability_measures as measures
 from . import stability_reference as reference
 from .cells import Case
-from .record import Cell
 from .stability_measures import ALL, NOISY_CASES, Outcome
 from .stability_pictures import FIRST_SEED, Shot
 
@@ -162,10 +161,13 @@ TABLE: tuple[Sweep, ...] = (
 # Cells
 
 
-def cells(*, quick: bool) -> list[Cell]:
-    """One for each group of the table; a quick report has the ends of each sweep, in one setup."""
-    groups = dict.fromkeys(sweep.group for sweep in TABLE)
-    return [Cell(f"stability/{group}", partial(_measured, group, quick)) for group in groups]
+def names(**_quick: bool) -> list[str]:
+    """Groups of the table; a quick report has the ends of each sweep, in one setup."""
+    return [*dict.fromkeys(sweep.group for sweep in TABLE)]
+
+
+def measure(_folder: Path, group: str, *, quick: bool) -> tuple[Case, ...]:
+    return tuple(judged(*case) for case in cases(group, quick=quick))
 
 
 def cases(group: str, *, quick: bool) -> list[tuple[Sweep, Any, Setup | None]]:
@@ -177,10 +179,6 @@ def cases(group: str, *, quick: bool) -> list[tuple[Sweep, Any, Setup | None]]:
             setups: tuple[Setup | None, ...] = sweep.setups[: 1 if quick else None] or (None,)
             found += [(sweep, value, setup) for setup in setups for value in values]
     return found
-
-
-def _measured(group: str, quick: bool, _folder: Path) -> tuple[Case, ...]:  # noqa: FBT001 - bound in ``cells``
-    return tuple(judged(*case) for case in cases(group, quick=quick))
 
 
 def judged(sweep: Sweep, value: Any, setup: Setup | None) -> Case:

@@ -47,6 +47,7 @@ SLOPE = 0.6
 COPIES, APART = 64, 16.0  # instances in a row, and how far apart in units of the scale
 # Toward the camera, 60 degrees from the plane's normal and along no axis, so that all three coordinates round
 VIEW = Vector((0.75, 0.4330127018922193, 0.5))
+WO = np.array([[np.hypot(VIEW.x, VIEW.y), 0.0, VIEW.z]])
 
 
 @dataclass(frozen=True)
@@ -100,9 +101,11 @@ def photo(shot: Shot, setup: Setup) -> Photo:
 def moments() -> tuple[float, float]:
     """Mean and mean square of what one sample of the plane is worth."""
     model = materials()["white"].with_parameters(m=SLOPE).reference()
-    wo = np.array([[np.hypot(VIEW.x, VIEW.y), 0.0, VIEW.z]])
-    white = materials()["white"].reference_fresnel()
-    return float(albedo(model, wo)[0, 0]), float(vgroove_albedo(wo, SLOPE, white, moment=2)[0, 0])
+    return float(albedo(model, WO)[0, 0]), _moment(2)
+
+
+def _moment(power: int) -> float:
+    return float(vgroove_albedo(WO, SLOPE, materials()["white"].reference_fresnel(), moment=power)[0, 0])
 
 
 def numbers(shot: Shot) -> float:
@@ -193,9 +196,7 @@ def _numbers_material() -> Material:
 @cache
 def _kurtosis() -> float:
     """Of what one sample of the plane is worth."""
-    wo = np.array([[np.hypot(VIEW.x, VIEW.y), 0.0, VIEW.z]])
-    white = materials()["white"].reference_fresnel()
-    a, b, c, d = (float(vgroove_albedo(wo, SLOPE, white, moment=moment)[0, 0]) for moment in (1, 2, 3, 4))
+    a, b, c, d = map(_moment, (1, 2, 3, 4))
     return (d - 4.0 * a * c + 6.0 * a**2 * b - 3.0 * a**4) / (b - a**2) ** 2
 
 

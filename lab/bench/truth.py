@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sin
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from scipy.stats import qmc
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from .scenes import Stage
 
     Floats = NDArray[np.float64]
+    Light: TypeAlias = "Even | Map | Rectangle | Disc"
 
 LEAST = 0.01  # of a map's mean, added to the density of draws so that dark parts are drawn too
 NOWHERE = np.finfo(np.float64).tiny
@@ -108,16 +109,8 @@ class Eye:
         return self.middle + normal, normal, -ray
 
 
-class Light(Protocol):
-    """Directions point away from the ball, (N, 3), as places are."""
-
-    def seen(self, place: Floats, toward: Floats) -> tuple[Floats, Floats]:
-        """Radiance (N, 3), and the density of ``drawn`` in 1/sr, (N,)."""
-        ...
-
-    def drawn(self, place: Floats, u: Floats) -> Floats | None:
-        """Directions for u (N, 2) in [0, 1); None of a light that needs no drawing."""
-        ...
+# Lights. ``seen``: radiance (N, 3), and the density of ``drawn`` in 1/sr, (N,), toward directions (N, 3) that point
+# away from the ball. ``drawn``: such directions for u (N, 2) in [0, 1); None of a light that needs no drawing.
 
 
 @dataclass(frozen=True)

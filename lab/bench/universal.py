@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 from ... import nodegroups
 from ...addon.blender import lamps as lamp_binding
 from ...addon.blender.material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
-from ...addon.models import base_name, label, parameter, symbol
+from ...addon.models import MODELS, base_name, label, parameter, symbol
 from ...nodegroups import absorption, cook_torrance, cook_torrance_albedo, lamp, ramp, shading_normal, versions
 from ...nodegroups._tree import Value, output
 from ...nodegroups.lamp_beams import beam_interfaces
@@ -173,14 +173,13 @@ class _Universal:
     def _diffuse(self) -> list[NodeSocket]:
         d = self.parameter("d") * self._left()
         inputs = self._inputs("oren_nayar", "albedo", "sigma")
-        module, qualitative = BUILDERS["oren_nayar"][self.form.estimator], self.switch("qualitative")
+        module, number = BUILDERS["oren_nayar"][self.form.estimator], self.switch("diffuse")
+        kinds = list(MODELS["oren_nayar"].kinds)
         if self.form.backend == "osl":
-            group = self._ensure(module, "Oren-Nayar", by_data(partial(module.build_osl, kind="full"), "kind"))
-            return [self._use(group, d, inputs | {"kind": qualitative})]
-        groups = [
-            self._ensure(module, kind.title(), partial(module.build, kind=kind)) for kind in ("full", "qualitative")
-        ]
-        weights = (d * (1.0 - qualitative), d * qualitative)
+            group = self._ensure(module, "Oren-Nayar", by_data(partial(module.build_osl, kind=kinds[0]), "kind"))
+            return [self._use(group, d, inputs | {"kind": number})]
+        groups = [self._ensure(module, kind.title(), partial(module.build, kind=kind)) for kind in kinds]
+        weights = (d * (1.0 - number), d * number)
         return [self._use(group, weight, inputs) for group, weight in zip(groups, weights, strict=True)]
 
     def _body(self) -> list[NodeSocket]:
@@ -212,7 +211,7 @@ class _Universal:
     def _transmission(self) -> list[NodeSocket]:
         module, glass = BUILDERS["glass"][self.form.glass], self.switch("glass")
         inputs = self._inputs("glass", "eta", "m", "tint")
-        thin, smooth = self.switch("thin"), self.switch("smooth")
+        thin, smooth = self.switch("interface"), self.switch("smooth")
         found = []
         if self.form.backend == "osl" and self.form.glass == "mirror":
             group = self._ensure(module, "Glass", by_data(module.build_osl, "thin", "smooth"))

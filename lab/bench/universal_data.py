@@ -11,8 +11,7 @@ from ...addon.blender import course
 from ...addon.blender import lamps as lamp_binding
 from ...addon.library.checks import M_RANGE
 from ...addon.library.presets import Preset, shipped
-from ...addon.models import base_name, parameter
-from ...nodegroups import fresnel
+from ...addon.models import MODELS, base_name, fresnel, parameter
 from . import peers
 
 if TYPE_CHECKING:
@@ -32,7 +31,9 @@ NEUTRAL: dict[str, Any] = {  # each parameter, as it is where a preset has none
     "d": 0.0, "s": 0.0, "tint": WHITE, "absorption": BLACK, "reflectance": WHITE, "mean_free_path": WHITE,
 }  # fmt: skip
 OF_LOBES = ("f0", "f82_tint", "m", "s")
-SWITCHES = ("fresnel", "qualitative", "coupled", "body", "glass", "thin", "smooth", "age")
+# A preset's kind, by its number in these; and what else is on or off.
+KINDS = {"fresnel": fresnel.KINDS, "diffuse": MODELS["oren_nayar"].kinds, "interface": MODELS["glass"].kinds}
+SWITCHES = (*KINDS, "coupled", "body", "glass", "smooth", "age")
 
 
 def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -> dict[str, Any]:
@@ -47,18 +48,15 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
     if preset is not None:
         values |= {universal_name(name): value for name, value in preset.parameters.items()}
         values["m"] = max(values["m"], M_RANGE[0])
-        kinds = list(fresnel.KINDS)
-        switches["fresnel"] = float(kinds.index(preset.kind)) if preset.kind in kinds else 0.0
-        switches["qualitative"] = float(preset.kind == "qualitative")
-        switches["coupled"], switches["thin"] = float("coupled" in preset.flags), float(preset.kind == "thin")
-        switches["smooth"] = float(preset.m == 0.0)
+        switches |= {name: float([*of].index(preset.kind)) for name, of in KINDS.items() if preset.kind in of}
+        switches |= {"coupled": float("coupled" in preset.flags), "smooth": float(preset.m == 0.0)}
         for name, value in peers.of(preset).UNIVERSAL.items():
             (switches if name in switches else values)[name] = value
         if play is not None:
             switches["age"] = age
             keys = {universal_name(n): of for n, of in course.keyframes(preset.trajectory(), play).items()}
-    if preset is not None and preset.kind == "thin":
-        values["absorption"] = BLACK  # a sheet has no inside
+        if preset.kind in MODELS[preset.model].sheets:
+            values["absorption"] = BLACK  # a sheet has no inside
     found: dict[str, Any] = {property_name(name): value for name, value in switches.items()}
     for name, value in values.items():
         if base_name(name) not in moving():

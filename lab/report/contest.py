@@ -6,15 +6,17 @@ Winners are judged by the processor's time, which other work on the machine chan
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..bench.cells import Accuracy, Numbers, Picks
 from ..bench.scene_table import SCENES
 from .curve import TINY, Curve
+
+if TYPE_CHECKING:
+    from ..bench.cells import Accuracy, Numbers, Picks
 
 CLOSE = 1.1  # Automatic's error over the winner's that still counts as good a choice
 CHANCE = 2.0  # standard errors by which it must be more to be a poor one
@@ -65,7 +67,7 @@ class Contest:
     """A cell of accuracy, beside what Automatic picks there."""
 
     cell: Accuracy
-    auto: Picks = field(default_factory=lambda: Picks(estimators=()))
+    auto: Picks
 
     @property
     def title(self) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from ..bench.cells import part_of
+from ..bench.cells import Picks, part_of
 from .contest import Contest
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ DEFAULT = (5, 2)  # the Blender whose figures pages show
 
 @dataclass(frozen=True)
 class Run:
-    """One Blender's measurements. lacks: how many are still missing; seconds: wall time, 0 where it is not known."""
+    """One Blender's measurements. lacks: how many are still missing; seconds: wall time."""
 
     blender: str
     record: BlenderRun
@@ -41,16 +41,12 @@ class Run:
 
     @property
     def seconds(self) -> float:
-        taken = self.record.seconds
-        return sum(taken.values()) if taken.keys() >= self.record.cells.keys() else 0.0
+        return sum(self.record.seconds.values())
 
     @cached_property
     def contests(self) -> list[Contest]:
-        picks = self._cells("picks")
-        return [
-            Contest(cell, picks[what]) if what in picks else Contest(cell)
-            for what, cell in self._cells("accuracy").items()
-        ]
+        picks, none = self._cells("picks"), Picks(estimators=())
+        return [Contest(cell, picks.get(what, none)) for what, cell in self._cells("accuracy").items()]
 
     @property
     def cases(self) -> list[Case]:

@@ -14,17 +14,14 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from PIL import Image
 
-from ...addon.library.files import replacing
 from ...addon.models import estimators
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
+    from collections.abc import Callable
 
     from matplotlib.axes import Axes
-    from numpy.typing import NDArray
 
-    from ..bench.cells import Case
+    from ..bench.cells import Case, Numbers
     from .contest import Contest
     from .curve import Curve
     from .findings import Run
@@ -55,75 +52,78 @@ PEERS = {
 SLANTED: dict[str, Any] = {"c": "#888888", "lw": 0.4, "alpha": 0.5}  # lines of slope -1/2
 FLOOR: dict[str, Any] = {"lw": 4, "alpha": 0.6, "solid_capstyle": "butt"}
 CROSS: dict[str, Any] = {"marker": "x", "ms": 4, "ls": ""}
-PASSED, LIMITED, FAILED = "#009e73", "#a6dccb", "#d55e00"
+VERDICTS = {"#009e73": "passed", "#a6dccb": "passed; the limit is stated", "#d55e00": "failed"}
+PASSED, LIMITED, FAILED = VERDICTS
 PANEL = (2.7, 2.1)  # inches
 IN_A_ROW = 40  # cases
 
 
-def draw(run: Run, folder: Path) -> list[str]:
-    """Draw what a run has numbers for, of ``summary.KINDS``; the names of the figures, without an ending."""
-    wanted: dict[str, tuple[bool, Callable[[Run], Figure]]] = {
-        "error": (bool(run.contests), error),
-        "noise": (bool(run.contests), noise),
-        "stability": (bool(run.cases), stability),
-        "left_out": (bool(run.left_out), left_out),
-    }
-    names = []
+def draw(run: Run) -> dict[str, bytes]:
+    """What a run has numbers for, of ``summary.KINDS``, by file name."""
+    wanted = {error: run.contests, noise: run.contests, stability: run.cases, left_out: run.left_out}
+    found: dict[str, bytes] = {}
     with mpl.rc_context(STYLE):
-        for kind, (there, made) in wanted.items():
-            if there:
-                names.append(f"{kind}-{run.blender}")
-                _save(made(run), folder / names[-1])
-    return names
+        for kind in (kind for kind, numbers in wanted.items() if numbers):
+            png, svg = _files(kind(run))
+            stem = f"plots/{kind.__name__}-{run.blender}"
+            found |= {f"{stem}.png": png, f"{stem}.svg": svg}
+    return found
 
 
-def _save(figure: Figure, stem: Path) -> None:
-    buffer = BytesIO()
-    figure.savefig(buffer, dpi=DPI, format="png")
-    with replacing(stem.with_name(f"{stem.name}.png")) as temporary:  # of few colours it is a third as large
-        drawn = Image.open(buffer).convert("RGB")
-        # Median cut, which is the default, would mix thin lines of like colours.
-        drawn = drawn.quantize(SHADES, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
-        drawn.save(temporary, optimize=True)
+def _files(figure: Figure) -> tuple[bytes, bytes]:
+    """PNG and SVG."""
+    drawn, png, svg = BytesIO(), BytesIO(), BytesIO()
+    figure.savefig(drawn, dpi=DPI, format="png")
+    # Of few colours it is a third as large. Median cut, which is the default, would mix thin lines of like colours.
+    few = Image.open(drawn).convert("RGB").quantize(SHADES, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few.save(png, "png", optimize=True)
     figure.set_layout_engine("none")  # it is laid out now, and takes long to be laid out again
-    with replacing(stem.with_name(f"{stem.name}.svg")) as temporary:
-        figure.savefig(temporary, metadata={"Date": None})
+    figure.savefig(svg, format="svg", metadata={"Date": None})
+    return png.getvalue(), svg.getvalue()
 
 
 def error(run: Run) -> Figure:
     """Error against processor time; where a bias can be distinguished from 0, its floor at the right."""
-    figure, panels = _panels(run, "processor seconds of a render", "relative error (RMSE over the reference's RMS)")
-    for contest, ax in panels:
-        for curve, look in _looks(contest):
-            ax.plot(curve.cpu, curve.rmse, **look)
-            _unknown(ax, curve, curve.cpu, curve.rmse, look["color"])
-            if curve.biased:
-                style = {"c": look["color"], "zorder": 3 if curve.competes else 2}
-                ax.plot([0.93, 1.0], [curve.floor] * 2, **FLOOR, **style, transform=ax.get_yaxis_transform())
+
+    def mark(ax: Axes, curve: Curve, colour: str) -> None:
+        if curve.biased:
+            style: dict[str, Any] = {"c": colour, "zorder": 3 if curve.competes else 2}
+            ax.plot([0.93, 1.0], [curve.floor] * 2, **FLOOR, **style, transform=ax.get_yaxis_transform())
+
+    labels = "processor seconds of a render", "relative error (RMSE over the reference's RMS)"
     floor = Line2D([], [], label="bias left", c="#666666", **FLOOR)
-    _finish(figure, panels, [curve.cpu for _, curve in run.curves], [curve.rmse for _, curve in run.curves], (floor,))
-    return figure
+    return _curves(run, labels, lambda curve: (curve.cpu, curve.rmse), mark, floor)
 
 
 def noise(run: Run) -> Figure:
     """Noise, and bias where it can be distinguished from 0."""
-    figure, panels = _panels(run, "samples per pixel", "noise (lines) and bias (squares)")
+
+    def mark(ax: Axes, curve: Curve, colour: str) -> None:
+        if curve.competes:
+            bias = np.sqrt(curve.bias2[curve.biased_at])
+            ax.plot(curve.samples[curve.biased_at], bias, "s", ms=2.5, c=colour)
+
+    labels = "samples per pixel", "noise (lines) and bias (squares)"
+    return _curves(run, labels, lambda curve: (curve.samples, curve.noise), mark, marker="")
+
+
+def _curves(
+    run: Run, labels: tuple[str, str], points: Callable[[Curve], tuple[Numbers, Numbers]],
+    mark: Callable[[Axes, Curve, str], None], *more: Line2D, **style: Any,
+) -> Figure:  # fmt: skip
+    """``points`` of every contender, with a cross at each sample count whose noise is more than it seems."""
+    figure, panels = _panels(run, *labels)
     for contest, ax in panels:
-        for curve, look in _looks(contest):
-            ax.plot(curve.samples, curve.noise, **(look | {"marker": ""}))
-            _unknown(ax, curve, curve.samples, curve.noise, look["color"])
-            if curve.competes:
-                bias = np.sqrt(curve.bias2[curve.biased_at])
-                ax.plot(curve.samples[curve.biased_at], bias, "s", ms=2.5, c=look["color"])
-    heights = [curve.noise for _, curve in run.curves] + [curve.rmse for _, curve in run.curves]
-    _finish(figure, panels, [curve.samples for _, curve in run.curves], heights)
+        for curve in contest.curves.values():
+            look, (x, y) = _look(curve) | style, points(curve)
+            ax.plot(x, y, **look)
+            if not curve.resolved.all():
+                ax.plot(x[~curve.resolved], y[~curve.resolved], **(CROSS | {"color": look["color"]}))
+            mark(ax, curve, look["color"])
+    drawn = [points(curve) for _, curve in run.curves]
+    heights = [y for _, y in drawn] + [curve.rmse for _, curve in run.curves]
+    _finish(figure, panels, np.concatenate([x for x, _ in drawn]), np.concatenate(heights), more)
     return figure
-
-
-def _unknown(ax: Axes, curve: Curve, x: NDArray[np.float64], y: NDArray[np.float64], colour: str) -> None:
-    """A cross at each sample count whose noise is more than it seems."""
-    if not curve.resolved.all():
-        ax.plot(x[~curve.resolved], y[~curve.resolved], **(CROSS | {"color": colour}))
 
 
 def _panels(run: Run, x_label: str, y_label: str) -> tuple[Figure, list[tuple[Contest, Axes]]]:
@@ -153,16 +153,11 @@ def _panels(run: Run, x_label: str, y_label: str) -> tuple[Figure, list[tuple[Co
 
 
 def _finish(
-    figure: Figure,
-    panels: list[tuple[Contest, Axes]],
-    across: list[NDArray[np.float64]],
-    up: list[NDArray[np.float64]],
-    more: tuple[Line2D, ...] = (),
+    figure: Figure, panels: list[tuple[Contest, Axes]], across: Numbers, up: Numbers, more: tuple[Line2D, ...]
 ) -> None:
     """The same logarithmic axes for all panels, lines of slope -1/2 to hold curves against, and one legend."""
-    left, right = float(np.min(np.concatenate(across))), float(np.max(np.concatenate(across)))
-    heights = np.concatenate(up)
-    low, high = float(np.min(heights[heights > 0.0])), float(np.max(heights))
+    left, right = float(np.min(across)), float(np.max(across))
+    low, high = float(np.min(up[up > 0.0])), float(np.max(up))
     low, high = max(low, 1e-5) / 1.5, min(high, 10.0) * 1.5
     x = np.array([left / 1.3, right * 1.3])
     for _, ax in panels:
@@ -179,13 +174,8 @@ def _finish(
     figure.legend(handles=handles, loc="outside upper center", ncols=6, frameon=False)
 
 
-def _looks(contest: Contest) -> Iterator[tuple[Curve, dict[str, Any]]]:
-    """Ours by colour, solid with dots; OSL thin and dotted; peers grey and dashed, each with a dash of its own."""
-    for curve in contest.curves.values():
-        yield curve, _look(curve)
-
-
 def _look(curve: Curve) -> dict[str, Any]:
+    """Ours by colour, solid with dots; OSL thin and dotted; peers grey and dashed, each with a dash of its own."""
     if curve.peer:
         grey, dash = PEERS.get(curve.name, PEERS[""])
         return {"color": grey, "lw": 0.9, "dashes": dash, "marker": ".", "ms": 2}
@@ -237,11 +227,7 @@ def stability(run: Run) -> Figure:
     ax.grid(visible=False)
     ax.spines[:].set_visible(False)
     ax.tick_params(length=0)
-    handles = [
-        Patch(color=PASSED, label="passed"),
-        Patch(color=LIMITED, label="passed; the limit is stated"),
-        Patch(color=FAILED, label="failed"),
-    ]
+    handles = [Patch(color=colour, label=label) for colour, label in VERDICTS.items()]
     figure.legend(handles=handles, loc="outside upper left", ncols=3, frameon=False)
     return figure
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ...addon.library.files import read_text
 from ..bench.cells import Picks, Table, part_of
+from ..bench.figures import COMPUTED
 from ..bench.record import CODEC, Machine, ReportError, json_text
 from . import claims
 from .claims import Claim  # noqa: TC001 - the codec looks types up
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 FILE = "docs/figures.json"
 LONGEST_FILE = 150_000  # bytes
 DIGITS = 4
-COMPUTED = ("errata", "oren_nayar", "fit", "keys")  # tables that do not depend on the Blender: the first has them
 NOISE_SAMPLES = 256
 
 
@@ -129,6 +129,7 @@ def _run(run: Run, *, first: bool) -> PublishedRun:
     for key in sorted(run.record.cells):
         keys.setdefault(part_of(key), []).append(key.partition("/")[2])
     scenes = {f"{of.cell.scene}/{of.cell.subject}": _scene(of) for of in run.contests}
+    # What is computed does not depend on the Blender: the first has it.
     tables = {name: of for name, of in run.tables.items() if first or name not in COMPUTED}
     return PublishedRun(
         run.record.vgroove, run.quick, run.lacks, dict(run.record.code), keys, claims.of(run), claims.remarks(run),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..bench.cells import Table
 from ..bench.scene_table import SCENES
-from .words import number, percent, times
+from .words import bias, number, times
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -90,9 +90,7 @@ def _scenes(run: PublishedRun) -> tuple[list[str], list[list[str]]]:
 
 def _bias(of: SceneFigures, estimator: str) -> str:
     curve = of.curves.get(f"{estimator}, nodes")
-    if curve is None or curve.bound is None:
-        return ""
-    return f"< {percent(curve.bound)}" if curve.bias is None else percent(curve.bias)
+    return bias(curve.bias, curve.bound) if curve else ""
 
 
 def _left_out(run: PublishedRun) -> tuple[list[str], list[list[str]]]:

@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from statistics import median
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from . import words
 from .claims import TARGETS, value_text
 from .contest import AGAINST
 from .words import number, percent, plain, times
@@ -16,7 +16,7 @@ from .words import number, percent, plain, times
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from ..bench.cells import Case, OmittedPart
+    from ..bench.cells import Case
     from .contest import Contest, Win
     from .curve import Curve, TimeTo
     from .findings import Run
@@ -133,11 +133,7 @@ def slope(curve: Curve) -> str:
 
 
 def bias(curve: Curve) -> str:
-    if curve.last is None:
-        return ""
-    if curve.biased:
-        return percent(curve.floor)
-    return f"< {percent(curve.bias_bound)}" if curve.bias_bound < 1.0 else "not known"
+    return words.bias(curve.floor if curve.biased else None, None if curve.last is None else curve.bias_bound)
 
 
 def reached(at: TimeTo) -> str:
@@ -209,18 +205,18 @@ def _left_out(run: Run) -> Iterator[Section]:
     yield Section(
         "What was left out",
         "The universal material (one for each estimator and backend), which shows presets by its inputs alone (but for "
-        "absorption), against each material as it is built. Time and first render (which compiles): universal over as "
-        "built. Nodes, OSL instructions and MB beside Blender: as built / universal. Picture: by the same seed; for "
+        "absorption), against each material as it is built. Time: universal over as built. Nodes, OSL instructions and "
+        "MB beside Blender: as built / universal. Picture: by the same seed; for "
         "rough glass by mirror by its mean, as after the first hit its random numbers differ.",
         (
-            "case", "preset", "scene", "estimator", "backend", "time", "spread", "first", "nodes", "instructions", "MB",
+            "case", "preset", "scene", "estimator", "backend", "time", "spread", "nodes", "instructions", "MB",
             "picture",
         ),
         [
             [
                 case.case, case.preset, case.scene, case.estimator, case.backend, times(case.slowdown),
-                f"{case.spread[0]:.2f} to {case.spread[1]:.2f}", times(case.first), _pair(case.nodes),
-                _pair(case.instructions), _pair(case.memory_mb), SAME[case.same],
+                f"{case.spread[0]:.2f} to {case.spread[1]:.2f}", _pair(case.nodes), _pair(case.instructions),
+                _pair(case.memory_mb), SAME[case.same],
             ]
             for case in sorted(run.left_out, key=lambda case: case.slowdown, reverse=True)
         ],
@@ -228,22 +224,11 @@ def _left_out(run: Run) -> Iterator[Section]:
     )  # fmt: skip
     yield Section(
         "Components left out",
-        "In how many cases the builder leaves each out; how many nodes it adds and the slowdown in the median of those "
-        "where it was put back (the closure beside it, which EEVEE shows, is built and was removed). These times are "
-        "of one round each: small differences from 1 are chance. To save time nothing is put back under the softbox, "
-        "nor by mirror.",
-        ("what", "left out", "nodes", "slowdown", "picture"),
-        omitted_rows(run),
-    )
-    yield Section(
-        "Components left out, case by case",
-        "",
-        ("case", "what", "why", "nodes", "slowdown", "picture"),
+        "What the builder leaves out and why; where it was put back, how many nodes it adds (the closure beside it, "
+        "which EEVEE shows, is built and was removed). Nothing is put back under the softbox, nor by mirror.",
+        ("case", "what", "why", "nodes", "picture"),
         [
-            [
-                case.title, one.what, one.why, "" if one.nodes is None else str(one.nodes),
-                "" if one.slowdown is None else times(one.slowdown), SAME[one.same],
-            ]
+            [case.title, one.what, one.why, "" if one.nodes is None else str(one.nodes), SAME[one.same]]
             for case in run.left_out
             for one in case.omitted
         ],
@@ -253,26 +238,6 @@ def _left_out(run: Run) -> Iterator[Section]:
 
 def _pair(values: Iterable[float] | None) -> str:
     return " / ".join(f"{value:.0f}" for value in values) if values and any(values) else ""
-
-
-def omitted_rows(run: Run) -> Rows:
-    """Each component that some material lacks: of how many that have a list, and medians of what it would cost."""
-    found: dict[str, list[OmittedPart]] = {}
-    listed = [case for case in run.left_out if case.omitted]
-    for one in (one for case in listed for one in case.omitted):
-        found.setdefault(one.what, []).append(one)
-    rows = []
-    for what, ones in found.items():
-        same = [one.same for one in ones if one.same is not None]
-        nodes = [one.nodes for one in ones if one.nodes is not None]
-        slowdowns = [one.slowdown for one in ones if one.slowdown is not None]
-        rows.append(
-            [
-                what, f"{len(ones)} of {len(listed)}", f"{median(nodes):g}" if nodes else "",
-                times(median(slowdowns)) if slowdowns else "", SAME[all(same) if same else None],
-            ]
-        )  # fmt: skip
-    return rows
 
 
 # Everyday scenes

@@ -17,6 +17,13 @@ def short(value: float) -> str:
     return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
 
 
+def bias(value: float | None, bound: float | None) -> str:
+    """value: None where it cannot be distinguished from 0, but does not exceed ``bound``; that is None if unknown."""
+    if value is not None:
+        return percent(value)
+    return "" if bound is None else f"< {percent(bound)}" if bound < 1.0 else "not known"
+
+
 def number(value: float) -> str:
     """With a minus that is as wide as a digit."""
     return f"{value:.2f}".replace("-", "−")

@@ -31,8 +31,7 @@ def render_in_eevee(shown, samples=1):
 def stage():
     """Blender's start scene with a ball, without a light."""
     with headless.quiet():
-        shown, _ = everyday_stage.prepare(Scenario("ball", lambda _shown: None, ()), size=SIZE)
-    return shown
+        return everyday_stage.prepare(Scenario("ball"), size=SIZE)
 
 
 @pytest.mark.parametrize("backend", ["nodes", "osl"])

@@ -11,7 +11,7 @@ from vgroove import headless
 from vgroove.addon.blender.material import BUILDERS, NATIVE
 from vgroove.lab.bench import everyday, record
 from vgroove.lab.bench.cells import LIMIT, MAX_DOUBT
-from vgroove.lab.bench.everyday_stage import SCENES
+from vgroove.lab.bench.everyday_scenes import SCENES
 from vgroove.lab.report import claims, findings, tables
 from vgroove.nodegroups import versions
 
@@ -139,7 +139,7 @@ def test_every_scene_of_the_issue_is_there():
 def test_a_cell_is_what_the_report_shows(blender, monkeypatch):
     """From a render to the table and the sentence."""
     monkeypatch.setattr(everyday, "time_over_native", lambda *_of: 1.25)
-    rows = everyday.measure("even_sky")
+    rows = everyday.measure(None, "even_sky")
     kept = record.CODEC.structure(json.loads(json.dumps(record.CODEC.unstructure(rows))), record.PARTS["everyday"])
     assert [(one.title, one.subject) for one in kept] == [("even sky", name) for name in SCENES["even_sky"].subjects]
 

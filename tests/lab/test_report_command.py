@@ -9,9 +9,9 @@ import sys
 import pytest
 
 from vgroove import cli
-from vgroove.lab.bench import record, run
+from vgroove.lab.bench import record
 from vgroove.lab.bench.record import Cell
-from vgroove.lab.report import findings, page
+from vgroove.lab.report import draw, findings
 
 from .reports import left_out, measured, report, vgroove
 
@@ -99,7 +99,7 @@ def test_a_report_exits_1_if_a_claim_does_not_hold(tmp_path, monkeypatch, capsys
         (tmp_path / "report.json").write_text(json.dumps(content))
         assert vgroove("--from", tmp_path / "report.json", "-o", tmp_path / "new") == code
         assert ("DOES NOT HOLD: Specialised materials" in capsys.readouterr().err) is (time < 1.0)
-        assert ('class="bad"' in (tmp_path / "new" / page.FILE).read_text(encoding="utf-8")) is (time < 1.0)
+        assert ('class="bad"' in (tmp_path / "new" / draw.PAGE).read_text(encoding="utf-8")) is (time < 1.0)
 
 
 @pytest.mark.blender
@@ -108,7 +108,7 @@ def test_what_could_not_be_measured_is_said_though_a_claim_does_not_hold(monkeyp
         raise RuntimeError(folder)
 
     cells = [Cell("left_out/a", lambda folder: measured(0.5)), Cell("left_out/b", broken)]
-    monkeypatch.setattr(run, "cells", lambda *, quick, more: cells)
+    monkeypatch.setattr(record, "cells", lambda *, quick, more: cells)
     assert vgroove("-o", tmp_path) == 3
     said = capsys.readouterr().err
     assert "Blender" in said
@@ -123,7 +123,7 @@ def test_a_report_is_drawn_without_blender(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "bpy is not installed, so the page has no pictures" in done.stderr
-    assert "2.00 × as fast in the median of 1 cases" in (tmp_path / "new" / page.FILE).read_text(encoding="utf-8")
+    assert "2.00 × as fast in the median of 1 cases" in (tmp_path / "new" / draw.PAGE).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("gone", ["matplotlib", "flip_evaluator", "mitsuba"])
@@ -149,21 +149,23 @@ def test_an_interrupted_report_goes_on(monkeypatch, capsys, tmp_path):
 
         return Cell(f"left_out/{name}", measure)
 
-    monkeypatch.setattr(run, "cells", lambda *, quick, more: [cell("first"), cell("second", fails=True), cell("third")])
+    monkeypatch.setattr(
+        record, "cells", lambda *, quick, more: [cell("first"), cell("second", fails=True), cell("third")]
+    )
     out = tmp_path / "out"
     assert vgroove("-o", out) == cli.INTERRUPTED
     assert done == ["first"]
     assert "1 of 3 measurements are kept in" in capsys.readouterr().err
-    assert not (out / page.FILE).exists()
+    assert not (out / draw.PAGE).exists()
     done.append("again")
     assert vgroove("-o", out) == 0
     assert done == ["first", "again", "second", "third"]
     assert "1 of 3 measurements are there already" in capsys.readouterr().err
     kept = findings.runs(record.read(out / record.FILE))[0].record.cells
     assert list(kept) == ["left_out/first", "left_out/second", "left_out/third"]
-    before = (out / page.FILE).read_text()
-    (out / page.FILE).unlink()
+    before = (out / draw.PAGE).read_text()
+    (out / draw.PAGE).unlink()
     assert vgroove("--from", out / record.FILE, "-o", tmp_path / "elsewhere") == 0
-    assert (tmp_path / "elsewhere" / page.FILE).read_text() == before
+    assert (tmp_path / "elsewhere" / draw.PAGE).read_text() == before
     assert vgroove("-o", out, "--quick") == 2
     assert "holds a full report, where a quick one is asked for; choose another folder" in capsys.readouterr().err

@@ -216,13 +216,11 @@ def test_mitsubas_copper_is_cycles_metallic_bsdf(blender, peer):
 
 @pytest.mark.blender
 def test_mitsuba_repeats_a_seed_and_keeps_time(peer):
-    """A seed is a picture; the render's time is told with the samples that were taken."""
+    """A seed is a picture; the render's time is told."""
     first, again, other = (peer.render("softbox", mitsuba_peer.TRIAL, 16, seed, 8) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.picture, again.picture)
     assert np.any(first.picture != other.picture)
     assert first.picture.shape == (8, 8, 3)
-    assert first.samples == 16
-    assert peer.render("softbox", mitsuba_peer.TRIAL, 29, 0, 8).samples > 29  # a prime number is no grid
     assert min(first.wall, first.cpu) > 0.0
 
 

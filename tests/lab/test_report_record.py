@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vgroove import cli
-from vgroove.lab.bench import digest, record, run
+from vgroove.lab.bench import digest, record
 from vgroove.lab.bench.cells import PARTS, Case, Picks, Table
 from vgroove.lab.bench.record import Cell, ReportError, open_or_create
 from vgroove.lab.report import draw
@@ -170,7 +170,7 @@ def copied(tmp_path_factory):
         ("lab/bench/figures/keys.py", ("figures",)),
         ("batch/cost.py", ("figures",)),
         ("lab/bench/peers/glass.py", ("accuracy", "picks", "everyday")),
-        ("lab/bench/everyday_lights.py", ("everyday",)),
+        ("lab/bench/everyday_scenes.py", ("everyday",)),
         ("osl/include/vgroove.h", tuple(PARTS)),
         ("nodegroups/random_numbers.py", tuple(PARTS)),
         ("presets/lecture/copper.toml", tuple(PARTS)),
@@ -217,7 +217,7 @@ def test_each_part_is_decided_by_its_module_and_by_none_that_draws(copied):
 
 @pytest.mark.blender
 def test_the_parts_are_those_that_are_measured(blender):
-    assert {cell.key.partition("/")[0] for cell in run.cells(quick=False)} == set(PARTS)
+    assert {cell.key.partition("/")[0] for cell in record.cells(quick=False)} == set(PARTS)
     assert [str(part) for part in cli.report.Part] == list(PARTS)
 
 
@@ -236,7 +236,7 @@ def test_what_fails_does_not_end_the_rest(tmp_path, monkeypatch, capsys):
 
         return Cell(f"picks/{name}", measure)
 
-    monkeypatch.setattr(run, "cells", lambda *, quick, more: [cell(name) for name in ("good", "bad", "last")])
+    monkeypatch.setattr(record, "cells", lambda *, quick, more: [cell(name) for name in ("good", "bad", "last")])
     monkeypatch.setattr(draw, "draw", lambda *_: [])
     monkeypatch.setattr("sys.argv", ["vgroove", "report", "-o", str(tmp_path)])
     for code in (3, 0):

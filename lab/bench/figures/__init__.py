@@ -3,11 +3,8 @@
 
 from __future__ import annotations
 
-from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING
-
-from ..record import Cell
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,12 +15,11 @@ COMPUTED = ("errata", "oren_nayar", "fit", "keys")  # by NumPy alone
 RENDERED = ("formula",)
 
 
-def cells(*, quick: bool) -> list[Cell]:
-    names = COMPUTED if quick else COMPUTED + RENDERED
-    return [Cell(f"figures/{name}", partial(measure, name=name)) for name in names]
+def names(*, quick: bool) -> list[str]:
+    return [*COMPUTED, *(() if quick else RENDERED)]
 
 
-def measure(_folder: Path, name: str) -> dict[str, Table]:
+def measure(_folder: Path, name: str, **_quick: bool) -> dict[str, Table]:
     """The tables of the module of that name."""
     tables: dict[str, Table] = import_module(f".{name}", __name__).tables()
     return tables
