@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..addon.reference.fresnel import F82_COSINE
-from ..addon.reference.generator_fit import beckmann_terms
-from . import cook_torrance, fresnel, generator
+from ..addon.reference.generator_fit import HIGHEST, LOWEST, beckmann_terms
+from . import cook_torrance, ensure, fresnel, generator, shading_normal
 from . import cook_torrance_closure as native
 from . import cook_torrance_fit as fit
 from ._tree import Value, maximum, minimum, output, sqrt, vector
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 NAME = "VGroove Generator Fit"
 REVISION = 1
+LOBE_NAME = ".VGroove Generator Fit Lobe"
+LOBE_REVISION = 1
 TIP = "To the material's Surface"
 
 
@@ -42,18 +44,31 @@ def build_lobes(tree: Tree, kind: str, of: Distribution, estimator: str, *, osl:
     share, terms = native_fresnel(tree, kind, inputs)
     shaders = [output(diffuse, "BSDF")]
     for weight, m in beckmann_terms(of):
-        part = cook_torrance.Inputs(terms, constant(tree, m), inputs.normal)
-        shaders.append(tree.weighted(_lobe(tree, estimator, part, osl=osl), share * weight))
+        shaders.append(tree.weighted(_lobe(tree, estimator, terms, m, inputs.normal, osl=osl), share * weight))
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip=TIP)
 
 
-def _lobe(tree: Tree, estimator: str, inputs: cook_torrance.Inputs, *, osl: bool) -> NodeSocket:
+def _lobe(tree: Tree, estimator: str, terms: dict[str, Value], m: float, normal: Value, *, osl: bool) -> NodeSocket:
+    if estimator == "fit" and not osl:
+        group = ensure(LOBE_NAME, LOBE_REVISION, build_lobe)
+        return tree.group(group, F0=terms["f0"], Edge_Tint=terms["f82_tint"], m=m, Normal=normal).outputs["BSDF"]
+    inputs = cook_torrance.Inputs(terms, constant(tree, m), normal)
     if osl:
         more = fit.for_script(tree, inputs) if estimator == "fit" else {}
         return cook_torrance.script(tree, estimator, "f82", inputs, **more).outputs[0]
-    if estimator == "fit":
-        return fit.shader(tree, "f82", inputs)
     return native.lobe(tree, "f82", inputs.fresnel, sqrt(inputs.m), inputs.normal)
+
+
+def build_lobe(tree: Tree) -> None:
+    """Cook-Torrance's ``fit`` with F82, which the materials of all distributions share."""
+    white = (1.0, 1.0, 1.0)
+    terms = {
+        "f0": tree.input_color("F0", white, tip="Reflectance head-on"),
+        "f82_tint": tree.input_color("Edge Tint", white, tip="At 82 degrees, over Schlick's"),
+    }
+    m = tree.input_float("m", 0.3, low=LOWEST, high=HIGHEST, tip="RMS slope of Beckmann's distribution")
+    inputs = cook_torrance.Inputs(terms, m, shading_normal.interface(tree))
+    tree.output_shader("BSDF", fit.shader(tree, "f82", inputs), tip="All that the facets mirror")
 
 
 def constant(tree: Tree, number: float) -> Value:

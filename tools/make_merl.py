@@ -41,7 +41,7 @@ def merl() -> Iterator[tuple[str, str]]:
         shape, eta = (float(row["B"]), float(row["C"])), float(row["ior"])
         specular = 4.0 / np.pi * rgb(row, "A") / Term("abc", shape).scale
         if specular.max() <= 1.0 and eta <= ETA.high:
-            yield identity_of("merl_fits", row["material"]), _text(row, shape, eta, specular)
+            yield identity_of("merl_fits", f"{row['material']} merl"), _text(row, shape, eta, specular)
 
 
 def _text(row: dict[str, str], shape: tuple[float, float], eta: float, specular: np.ndarray) -> str:

@@ -23,7 +23,6 @@ SPECULAR = replace(
     phong.SPECULAR,
     tip="Multiplies what the facets mirror, linear RGB",
     default=(1.0, 1.0, 1.0),
-    example="specular = 1.0",
 )
 DIFFUSE = replace(ALBEDO, default=(0.0, 0.0, 0.0))
 

