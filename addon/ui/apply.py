@@ -66,7 +66,7 @@ class VGROOVE_OT_apply(bpy.types.Operator):
             return {"CANCELLED"}
         memory.used(preset.id)
         count = f"{len(able)} object{'s' * (len(able) > 1)}"
-        text = f"{preset.name} ({estimator}, {backend}) applied to {'the selection in ' * in_parts}{count}"
+        text = f"{preset.name} applied to {'the selection in ' * in_parts}{count}"
         if also := [item.name for item in slots.sharing(able) if item not in able]:
             text += f" and to {', '.join(also)} (same mesh)"
         left = [
