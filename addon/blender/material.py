@@ -241,6 +241,7 @@ def show_in_solid_view(material: Material, preset: Preset) -> None:
 def _group_node(tree: ShaderNodeTree, group: ShaderNodeTree, label: str, role: str = "") -> Node:
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree, node.label, node.width = group, label, 220
+    node.show_options = False  # the menu of all node groups, in which this one has an internal name
     if role:
         node[roles.KEY] = role
     return node

@@ -31,6 +31,10 @@ NODES = {
     "measured_metal": Entry(
         "Measured Metal", "metals/copper", "A metal by its refractive index, as measured", "IOR and extinction"
     ),
+    "brushed_metal": Entry(
+        "Brushed Metal", "finished_metals/stainless_steel_hair_line", "A metal with fine grooves along a tangent",
+        "anisotropic, hair-line, ground, turned",
+    ),
     "plastic": Entry(
         "Plastic", "plastics/abs_plastic", "A color below a clear, glossy surface", "lacquer, ceramic, varnish"
     ),
@@ -43,7 +47,8 @@ NODES = {
     "translucent": Entry(
         "Translucent", "translucent/marble", "Light scatters below a glossy surface", "skin, wax, marble, milk"
     ),
-}
+    "phong": Entry("Phong", "phong/phong_red_plastic", "Phong's highlight over a color, as of old", "classic, 1975"),
+}  # fmt: skip
 ESTIMATORS = ("fit", "closure")  # the first that a model has; both render in Cycles and EEVEE
 
 
