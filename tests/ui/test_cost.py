@@ -9,11 +9,13 @@ import pytest
 
 from vgroove import headless
 from vgroove.addon.library import families, presets
+from vgroove.nodegroups import versions
 
 pytestmark = pytest.mark.blender
 
 COUNT = 20
-LARGEST = 3_000_000  # bytes that so many add to a file, as Blender saves it unless told to compress
+# Bytes that so many add to a file that is not compressed; with the formula for EEVEE, on 5.3, they have more nodes
+LARGEST = 6_000_000 if versions.LIGHT_NODES else 3_000_000
 
 
 def some_of_every_family():
@@ -51,7 +53,7 @@ def append(extension, path, name):
 
 
 def test_files_stay_small_and_apply_is_as_quick_as_an_append(extension, tmp_path):
-    """20 presets add less than 3 MB to Blender's own half; Apply takes less than appending the same materials from it.
+    """20 presets add little to Blender's own half MB; Apply takes less than appending the same materials from it.
 
     Both make a node tree and have the scene evaluated, in turn, so that what else runs slows both; of either the median
     is taken. An append reads the file and brings a copy of every group, which Apply reuses: it takes 0.3 times as long.
