@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from vgroove.addon.library.presets import Preset
 
 SHOWN = {"metals/gold": 0.4, "car_paints/polaris_silver": None, "plastics/blue_plastic_matte": None}  # and m if another
-SAMPLES = {"Principled": 64, "V-Groove": 64, "reference": 512}
+SAMPLES = {"Principled": 64, "V-Groove": 64, "reference": 4096}
 TILE, GAP, LABEL = 144, 12, 20
 PAPER, INK, GREY = (250, 250, 250), (40, 40, 40), (120, 120, 120)
 LOW = (-110.0, 14.0)  # degrees of the lamp: from the front to the right, above the ground
