@@ -7,7 +7,7 @@ All else is that of ``cook_torrance``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..addon.models.anisotropic import ANISOTROPY, MODEL, RADIAL, ROTATION
@@ -19,10 +19,14 @@ from .shading_normal import specular_normal
 from .visible_facet import visible_facet
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
+
+    import bpy
 
     from ..addon.models import Form
     from ._tree import Tree
+
+    Variant = Callable[[Form, str, dict[str, bpy.types.ShaderNodeTree]], tuple[str, dict[str, Any]]]
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,19 @@ def interface(tree: Tree, kind: str, *, radial: bool, native: bool = False) -> I
     of = cook_torrance.interface(tree, kind, native=native)
     more = add_input(tree, ANISOTROPY), add_input(tree, ROTATION), tangent.interface(tree, radial=radial)
     return Inputs(of.fresnel, of.m, of.normal, *more, radial)
+
+
+def with_radial(
+    of: Variant,
+) -> Variant:
+    """The ``variant`` of an isotropic model's module, for a model whose specular part is brushed."""
+
+    def variant(form: Form, estimator: str, parts: dict[str, bpy.types.ShaderNodeTree]) -> tuple[str, dict[str, Any]]:
+        radial = RADIAL in form.flags
+        label, given = of(form, estimator, parts)
+        return label + " Radial" * radial, given | {"seen": partial(seen, radial=radial)}
+
+    return variant
 
 
 def seen(tree: Tree, kind: str, names: Mapping[str, str], *, radial: bool) -> tuple[cook_torrance.Inputs, Value]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimator ``corrected`` of Blinn-Phong: Phong's, whose builders are told the lobe."""
+"""Estimator ``corrected`` of Blinn-Phong: Phong's builders with Blinn's lobe."""
 
 from .phong_corrected import REVISION, build, build_osl
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimator ``direct`` of Blinn-Phong: Phong's, whose builders are told the lobe."""
+"""Estimator ``direct`` of Blinn-Phong: Phong's builders with Blinn's lobe."""
 
 from .phong_direct import REVISION, build, build_osl
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clear bodies that spread colours by their Abbe number, where Cycles can: from Blender 5.3 on."""
+"""Clear bodies that spread colours by their Abbe number in Blender 5.3; before, the switch changes nothing."""
 
 from math import radians, sin, tan
 
@@ -21,7 +21,6 @@ pytestmark = pytest.mark.blender
 
 GLASS = "glasses/sf11_flint_glass"
 SPREAD = Choice(estimator="mirror", disperses=True)
-since_5_3 = pytest.mark.skipif(not versions.DISPERSES, reason="this Cycles does not disperse")
 PIXELS, SAMPLES = 8, 256
 APEX = 20.0  # degrees between a prism's faces
 LINES = {"C": 0.6563, "d": 0.5876, "F": 0.4861}  # micrometres
@@ -60,12 +59,14 @@ def test_what_has_no_abbe_number_or_no_inside_does_not_spread(blender):
         assert not origin.read(made).disperses
 
 
-@since_5_3
 def test_its_number_is_an_input_like_others(blender):
     """The preset's number where it is switched on in place; an edit outlives a rebuild, is saved and can be reset."""
     preset = presets.find(GLASS)
     made = build(preset, Choice(estimator="mirror"))
     rebuild.rebuild(made, blender.context.scene, disperses=True)
+    assert ("abbe" in material.parameter_sockets(made)) is versions.DISPERSES
+    if not versions.DISPERSES:
+        return
     socket = material.parameter_sockets(made)["abbe"]
     assert socket.default_value == pytest.approx(preset.parameters["abbe"])
     assert not material.is_edited(made)
@@ -78,7 +79,6 @@ def test_its_number_is_an_input_like_others(blender):
     assert inside(made)[1] == pytest.approx(preset.parameters["abbe"])
 
 
-@since_5_3
 def test_switched_off_it_renders_as_if_never_switched_on(blender):
     """Bit for bit, and other than while it was on."""
     preset = presets.find(GLASS)
@@ -87,10 +87,10 @@ def test_switched_off_it_renders_as_if_never_switched_on(blender):
     on = _seen_through_a_prism(blender, made, osl=False, of_x=1.0)
     rebuild.rebuild(made, blender.context.scene, disperses=False)
     off = _seen_through_a_prism(blender, made, osl=False, of_x=1.0)
-    assert before.tolist() == off.tolist() != on.tolist()
+    assert before.tolist() == off.tolist()
+    assert (on.tolist() == off.tolist()) is not versions.DISPERSES
 
 
-@since_5_3
 def test_commands_and_jobs_take_it(tmp_path):
     """The same picture by either, other than without, and other again by another number."""
     small = ("--samples", 4, "--resolution", "32x24")
@@ -101,18 +101,18 @@ def test_commands_and_jobs_take_it(tmp_path):
     assert vgroove("batch", tmp_path / "job.toml", "-o", tmp_path / "out").code == 0
     off, on, less = (read_exr(tmp_path / f"{name}.exr")[0] for name in ("off", "on", "less"))
     by_batch = [read_exr(path)[0] for path in (tmp_path / "out").glob("*.exr")]
-    assert not np.array_equal(off, on)
-    assert not np.array_equal(on, less)
+    assert np.array_equal(off, on) is not versions.DISPERSES
+    assert np.array_equal(on, less) is not versions.DISPERSES
     for image in (off, on):  # a batch renders in two halves, of which the mean is rounded
         assert any(np.allclose(image, one, rtol=1e-5, atol=1e-6) for one in by_batch)
 
 
-@since_5_3
 def test_conversion_keeps_it(blender):
     preset = presets.find(GLASS)
-    inputs = convert.convert(build(preset, SPREAD)).node.inputs
-    assert inputs["Transmission Dispersion Scale"].default_value == 1.0
-    assert inputs["Transmission Dispersion Abbe Number"].default_value == pytest.approx(preset.parameters["abbe"])
+    made = convert.convert(build(preset, SPREAD)).node.inputs
+    names = "Transmission Dispersion Scale", "Transmission Dispersion Abbe Number"
+    found = [made[name].default_value for name in names if name in made]
+    assert found == (pytest.approx([1.0, preset.parameters["abbe"]]) if versions.DISPERSES else [])
 
 
 def matching():
@@ -164,7 +164,6 @@ def _seen_through_a_prism(blender, made, *, osl, of_x):
         return gonio.rendered(stage).reshape(-1, 3).mean(axis=0)
 
 
-@since_5_3
 @pytest.mark.parametrize("osl", [False, True], ids=["nodes", "osl"])
 def test_red_and_blue_bend_by_snell_s_law_for_their_index(blender, osl):
     """A channel sees the mean over its matching function, of which the expectation is a sum over wavelengths.
@@ -176,13 +175,13 @@ def test_red_and_blue_bend_by_snell_s_law_for_their_index(blender, osl):
     preset = presets.find(GLASS).with_parameters(absorption=(0.0, 0.0, 0.0))
     eta, backend = preset.parameters["eta"], "osl" if osl else "nodes"
     wavelengths, weights = matching()
-    B = (eta - 1.0) / preset.parameters["abbe"] / (LINES["F"] ** -2 - LINES["C"] ** -2)
+    B = versions.DISPERSES * (eta - 1.0) / preset.parameters["abbe"] / (LINES["F"] ** -2 - LINES["C"] ** -2)
     x = _leaves(eta + B * (wavelengths**-2.0 - LINES["d"] ** -2))
     expected = x @ weights
     s = np.sqrt(np.mean((weights * weights.shape[0] * (x[:, None] - expected)) ** 2, axis=0) / (PIXELS**2 * SAMPLES))
     measured = bent(blender, build(preset, Choice(backend, "mirror", disperses=True)), osl=osl)
-    assert np.all(np.abs(measured - expected) < 4.0 * s)
-    assert expected[0] - expected[2] > 40.0 * s.max()
+    assert np.all(np.abs(measured - expected) <= 4.0 * s + 1e-5 * expected)  # where nothing is drawn, float32's
+    assert bool(expected[0] - expected[2] > max(40.0 * s.max(), 1e-9)) is versions.DISPERSES
     np.testing.assert_allclose(
         bent(blender, build(preset, Choice(backend, "mirror")), osl=osl), _leaves(eta), rtol=1e-5
     )
@@ -193,7 +192,6 @@ def _leaves(n):
     return 1.0 - np.sin(np.arcsin(n * sin(radians(APEX))) - radians(APEX))
 
 
-@since_5_3
 @pytest.mark.parametrize("m", [0.0, 1e-4])
 def test_as_much_passes_as_without(blender, m):
     """The same share of light, tinted at both surfaces.

@@ -24,10 +24,10 @@ SMOOTH = {"sigma": 0.0}  # Lambert, as Principled's diffuse part
 
 @dataclass(frozen=True)
 class Row:
-    """A material: its maps, what takes its place, and what is told to be left out.
+    """A textured material, the preset that replaces it, and what Apply reports as left out.
 
     maps: keys of MAPS. into: a preset; numbers: changed in it. values: of Principled. wrap: how its shader is shown.
-    lost: names of inputs; what else is left out as it is told. alike: whether both models mean the same in a furnace.
+    lost: names of inputs that are left out; further messages verbatim. alike: both models mean the same in a furnace.
     """
 
     maps: str

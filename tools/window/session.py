@@ -14,6 +14,7 @@ import machine
 HANDS = Path(__file__).parent / "hands.py"
 SECONDS = 1200  # after which a Blender that hangs is ended; hands.py ends scenarios that work too long
 SETTINGS = "with", "without"  # the extension
+SESSIONS = "sessions"  # folder of all sessions, at the root of Blender's system
 ERRORS = "Traceback", "Error", "ERROR"  # in what Blender prints
 PREPARE = """
 import bpy
@@ -29,10 +30,15 @@ class Session:
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.folder = machine.set_up() / "work" / name
+        self.folder = machine.set_up() / SESSIONS / name
         shutil.rmtree(self.folder, ignore_errors=True)
         for settings in SETTINGS:  # Blender takes others where the folder is not there
             (self.folder / settings).mkdir(parents=True)
+
+    @property
+    def place(self) -> str:
+        """The folder as Blender sees it."""
+        return f"/{SESSIONS}/{self.name}"
 
     @property
     def extension(self) -> Path:
@@ -42,7 +48,7 @@ class Session:
     def install(self, archive: Path) -> None:
         """The zip, by the command that Blender has for it; in the settings ``with``, but not in ``without``."""
         shutil.copy(archive, self.folder / archive.name)
-        where = f"/work/{self.name}/{archive.name}"
+        where = f"{self.place}/{archive.name}"
         self.blender("with", "--command", "extension", "install-file", "-r", "user_default", "-e", where)
         for settings in SETTINGS:
             self.blender(settings, "--background", "--python-expr", PREPARE)
@@ -53,11 +59,10 @@ class Session:
         shutil.copy(script, self.folder)
         outcome = self.folder / "outcome.json"
         outcome.unlink(missing_ok=True)
-        here = f"/work/{self.name}"
         said = self.blender(
             settings, "--gpu-backend", "opengl", "--window-geometry", "0", "0", *map(str, machine.PIXELS),
             "--enable-event-simulate", "--python-exit-code", "1",
-            "--python", f"{here}/{HANDS.name}", "--", f"{here}/{script.name}", name,
+            "--python", f"{self.place}/{HANDS.name}", "--", f"{self.place}/{script.name}", name,
             screen=True,
         )  # fmt: skip
         found = json.loads(outcome.read_text(encoding="utf-8")) if outcome.exists() else {"failed": "Blender ended"}
@@ -69,7 +74,7 @@ class Session:
         """What Blender prints."""
         size = "x".join(map(str, machine.PIXELS))
         on = ["xvfb-run", "--auto-servernum", "--server-args", f"-screen 0 {size}x24"] if screen else []
-        user = f"BLENDER_USER_RESOURCES=/work/{self.name}/{settings}"
+        user = f"BLENDER_USER_RESOURCES={self.place}/{settings}"
         command = machine.inside("env", "LIBGL_ALWAYS_SOFTWARE=1", user, *on, "blender", *arguments, alone=True)
         done = subprocess.run(
             command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, stdin=subprocess.DEVNULL,
