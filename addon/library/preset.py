@@ -23,7 +23,7 @@ class Preset:
 
     ``kind`` is the form of the model, one of its spec's ``kinds``: where it has a Fresnel term, that of the term.
     ``flags``: those of the model's flags that are true. ``distribution``: of
-    its facets, where its model asks for one. ``m_range``: slopes that suit the material. ``verified``: its
+    its facets, where its model needs one. ``m_range``: slopes that suit the material. ``verified``: its
     reflectance head-on, "f0", by the reference. ``time``: how its numbers change, where they do; ``parameters`` are
     those at the start.
     """

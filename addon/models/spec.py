@@ -71,7 +71,7 @@ class Parameter:
 class Form(Protocol):
     """The form of a preset, which models decide by: kind, flags that are true, numbers by name (of lobe k as m_k).
 
-    distribution: of its facets, where its model asks for one.
+    distribution: of its facets, where its model needs one.
     """
 
     @property

@@ -216,7 +216,7 @@ def test_mitsubas_copper_is_cycles_metallic_bsdf(blender, peer):
 
 @pytest.mark.blender
 def test_mitsuba_repeats_a_seed_and_keeps_time(peer):
-    """A seed is a picture; the render's time is told."""
+    """A seed is a picture; the render time is reported."""
     first, again, other = (peer.render("softbox", mitsuba_peer.TRIAL, 16, seed, 8) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.picture, again.picture)
     assert np.any(first.picture != other.picture)

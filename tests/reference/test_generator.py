@@ -137,7 +137,7 @@ def test_draws_are_distributed_as_pdf_says(of, degrees):
 
 @EACH
 def test_no_facet_is_drawn_far_too_rarely(of):
-    """D over what it is drawn by, the mirror's largest weight: at most 4, so that there are no fireflies."""
+    """D over what it is drawn by, the mirror's largest weight: at most 4, which rules out fireflies."""
     sin2 = np.concatenate([of.bins[:-1] + share * np.diff(of.bins) for share in (1e-9, 0.25, 0.5, 0.75, 1.0 - 1e-9)])
     h = np.stack([np.sqrt(sin2), np.zeros_like(sin2), np.sqrt(1.0 - sin2)], axis=-1)
     assert (of(h) / of.drawn_density(h)).max() < 4.0
