@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 from ..addon.reference.anisotropic_fit import EXCESS, ROUGH
 from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import anisotropic, cook_torrance, ensure
-from . import cook_torrance_closure as closure
 from . import cook_torrance_fit as fit
 from ._tree import Tree, Value, cross, dot, maximum, minimum, scale, sqrt
 from .shading_normal import raised, specular_normal
@@ -40,18 +39,12 @@ def build_osl(tree: Tree, kind: str, *, radial: bool) -> None:
 
 def shader(tree: Tree, kind: str, inputs: anisotropic.Inputs) -> NodeSocket:
     """The mixture about the normal, raised where it has to be."""
-    return raised(tree, inputs.normal, lambda N: mixture(tree, kind, inputs, N))
 
+    def about(N: Value) -> NodeSocket:
+        leaning = lobes(tree, inputs.m, inputs.anisotropy, N, inputs.tangent_to(N))
+        return fit.mixture(tree, kind, inputs.fresnel, leaning)
 
-def mixture(tree: Tree, kind: str, inputs: anisotropic.Inputs, N: Value) -> NodeSocket:
-    """One Metallic BSDF a lobe. Cycles skips a lobe of weight 0 with all nodes that serve it alone."""
-    shaders = []
-    for lobe in lobes(tree, inputs.m, inputs.anisotropy, N, inputs.tangent_to(N)):
-        with tree.frame("Lobe"):
-            leaning = lobe.anisotropy, lobe.tangent
-            native = closure.lobe(tree, kind, inputs.fresnel, lobe.roughness, lobe.normal, *leaning)
-            shaders.append(tree.weighted(native, lobe.weight))
-    return tree.add_shaders(shaders)
+    return raised(tree, inputs.normal, about)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,8 @@ from .polynomial import share as share_by_table
 from .shading_normal import raised, specular_normal
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Fit"
@@ -39,19 +41,19 @@ def build_osl(tree: Tree, kind: str) -> None:
 
 def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
     """The mixture about the normal, raised where it has to be."""
-    return raised(tree, inputs.normal, lambda N: mixture(tree, kind, inputs, N))
+    return raised(tree, inputs.normal, lambda N: mixture(tree, kind, inputs.fresnel, lobes(tree, inputs.m, N)))
 
 
-def mixture(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value) -> NodeSocket:
+def mixture(tree: Tree, kind: str, fresnel: dict[str, Value], of: Sequence[Lobe]) -> NodeSocket:
     """One Metallic BSDF a lobe, which makes the lobe's normal a unit vector itself.
 
     Cycles skips a lobe of weight 0 with all nodes that serve it alone.
     """
     shaders = []
-    for lobe in lobes(tree, inputs.m, N):
+    for lobe in of:
         with tree.frame("Lobe"):
             leaning = lobe.anisotropy, lobe.tangent
-            native = closure.lobe(tree, kind, inputs.fresnel, lobe.roughness, lobe.normal, *leaning)
+            native = closure.lobe(tree, kind, fresnel, lobe.roughness, lobe.normal, *leaning)
             shaders.append(tree.weighted(native, lobe.weight))
     return tree.add_shaders(shaders)
 

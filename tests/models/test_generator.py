@@ -8,9 +8,8 @@ import bpy
 import numpy as np
 import pytest
 
-from vgroove import headless
-from vgroove.addon.blender import gonio, material, origin
-from vgroove.addon.blender.material import Choice, build, lamps_to_bind
+from vgroove.addon.blender import material, origin
+from vgroove.addon.blender.material import Choice, build
 from vgroove.addon.library import presets, writing
 from vgroove.addon.models import MODELS
 from vgroove.addon.reference.facet_distribution import Distribution, Term
@@ -20,7 +19,7 @@ from vgroove.lab.check.rows import SETUPS, surely_seen
 from vgroove.nodegroups import facet_density, osl_script, random_numbers
 from vgroove.nodegroups._tree import Value
 
-from ..rows import name
+from ..rows import check_that_mirror_counts_lights_once, name
 
 pytestmark = pytest.mark.blender
 
@@ -44,18 +43,8 @@ def test_the_limit_for_noisy_rows_counts_them_all():
 
 
 def test_mirror_with_lights_counts_each_once(instrument):
-    """Lambert sees a sun of zero size by itself, and the lobe by the formula: together they are ``direct``."""
-    of, geometry = rows.preset("abc", 0.3), gonio.Geometry(35.0, resolution=(8, 8))
     for setup in (NODES, OSL):
-        images = []
-        for estimator in ("mirror", "direct"):
-            with headless.quiet(), gonio.stage((8, 8), samples=4, seed=0, shading_osl=setup.shading_osl) as stage:
-                gonio.light(stage, geometry)
-                bound = lamps_to_bind(stage, estimator, MODEL.name)
-                gonio._patch(stage, build(of, Choice(setup.backend, estimator, bound, shadows=False)), geometry)
-                gonio._camera(stage, geometry)
-                images.append(gonio.rendered(stage))
-        np.testing.assert_allclose(*images, rtol=2e-5)  # the bar of ``direct``
+        check_that_mirror_counts_lights_once(rows.preset("abc", 0.3), setup)
 
 
 # --- mutants ------------------------------------------------------------------------------------------------------

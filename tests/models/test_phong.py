@@ -9,7 +9,7 @@ import pytest
 
 from vgroove import headless, nodegroups
 from vgroove.addon.blender import gonio
-from vgroove.addon.blender.material import BUILDERS, Choice, build, lamps_to_bind
+from vgroove.addon.blender.material import BUILDERS
 from vgroove.addon.library import presets
 from vgroove.addon.models import MODELS
 from vgroove.lab.check import blinn_phong as blinn_rows
@@ -19,7 +19,7 @@ from vgroove.lab.check.views import measure
 from vgroove.nodegroups import blinn_phong, cosine_power, osl_script, phong, phong_table, random_numbers, smith_lobe
 from vgroove.nodegroups._tree import Value
 
-from ..rows import name
+from ..rows import check_that_mirror_counts_lights_once, name
 
 pytestmark = pytest.mark.blender
 
@@ -48,18 +48,8 @@ def test_the_limit_for_noisy_rows_counts_them_all(model):
 
 @BOTH
 def test_mirror_with_lights_counts_each_once(instrument, model):
-    """Lambert sees a sun of zero size by itself, and the lobe by the formula: together they are ``direct``."""
-    of, geometry = phong_rows.preset(model, 0.5), gonio.Geometry(35.0, resolution=(8, 8))
     for setup in (NODES, OSL):
-        images = []
-        for estimator in ("mirror", "direct"):
-            with headless.quiet(), gonio.stage((8, 8), samples=4, seed=0, shading_osl=setup.shading_osl) as stage:
-                gonio.light(stage, geometry)
-                bound = lamps_to_bind(stage, estimator, model)
-                gonio._patch(stage, build(of, Choice(setup.backend, estimator, bound, shadows=False)), geometry)
-                gonio._camera(stage, geometry)
-                images.append(gonio.rendered(stage))
-        np.testing.assert_allclose(*images, rtol=2e-5)  # the bar of ``direct``
+        check_that_mirror_counts_lights_once(phong_rows.preset(model, 0.5), setup)
 
 
 # --- mutants ------------------------------------------------------------------------------------------------------
