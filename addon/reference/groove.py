@@ -24,7 +24,8 @@ import numpy as np
 from .cook_torrance import as_samples, cook_torrance, visible_facet
 from .directions import above, as_directions, as_pair, as_positive, dot
 from .distributions import beckmann_d, vgroove_g1
-from .quadrature import REACH, gauss_legendre, per_direction, vgroove_albedo
+from .fresnel import Schlick
+from .quadrature import REACH, gauss_legendre, vgroove_albedo
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from .directions import Floats
     from .fresnel import Fresnel
 
+WHITE = Schlick(1.0)  # perfect mirrors
 MOST = 64  # bounces: facets of slope 40 make more, 1e-6 of them at m = 10
 
 
@@ -195,8 +197,7 @@ class Groove:
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
         """Density of ``sample`` in 1/sr, (...): f cos of perfect mirrors."""
-        white = Groove(self.m, lambda cosine: np.ones((*np.shape(cosine), 3)))
-        return white.evaluate(wi, wo)[..., 0] * np.maximum(as_directions(wi, "wi")[..., 2], 0.0)
+        return Groove(self.m, WHITE).evaluate(wi, wo)[..., 0] * np.maximum(as_directions(wi, "wi")[..., 2], 0.0)
 
     def directional_albedo(self, wo: ArrayLike) -> Floats:
         """Directional albedo, (..., 3): the first bounce by ``vgroove_albedo``, others by ``bounce_albedos``."""
