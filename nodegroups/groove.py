@@ -56,12 +56,14 @@ def build(tree: Tree, kind: str, of: str) -> None:
     with tree.frame("F^2 (1 - q + q F)"):
         F = fresnel.reflectance(tree, kind, inputs.fresnel, clamp(COSINE * c))
         F = F if F.is_vector else vector(F, F, F)
-        color = scale(F * F * (scale(F, q) + (1.0 - q)), weight)
+        color = F * F * (scale(F, q) + (1.0 - q))
     lobe = tree.node(
         "ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Color=color, Normal=N,
         Roughness=sqrt(minimum(0.5 * m, WIDEST)),
     )  # fmt: skip
-    tree.output_shader("BSDF", output(lobe, "BSDF"), tip="Light of the second bounce and of further ones")
+    # Where one bounce leaves nothing, Cycles skips what a weight of 0 mixes in
+    shader = tree.weighted(output(lobe, "BSDF"), weight)
+    tree.output_shader("BSDF", shader, tip="Light of the second bounce and of further ones")
 
 
 def look_up(tree: Tree, over: Value, under: Value, root: Value) -> tuple[Value, Value]:
