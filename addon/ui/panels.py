@@ -7,7 +7,7 @@ import bpy
 
 from ...nodegroups import versions
 from ..blender import material, textures
-from ..library import presets
+from ..library import families, presets
 from . import memory, numbers, operators, properties, watch
 from .preferences import ROOT
 from .text import lines
@@ -72,6 +72,8 @@ class _Picker:
             row = column.row()
             row.enabled = versions.DISPERSES
             row.prop(settings, "disperses")
+        if families.gets_bounces(preset):
+            column.prop(settings, "bounces")
         if _replaces_textures(context):
             column.prop(settings, "keep_textures")
         row = layout.row()

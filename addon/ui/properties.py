@@ -214,6 +214,14 @@ class VGrooveSettings(bpy.types.PropertyGroup):
         description="Colors spread by the material's Abbe number, as in a prism. Blender 5.3 and newer; more noise",
         default=False,
     )
+    bounces: bpy.props.BoolProperty(
+        name="Multiple Scattering",
+        description=(
+            "Adds light that bounces more than once between the facets of a rough metal, which gets brighter and its "
+            "color deeper. Off: one bounce, as the paper has it. If you make a smooth metal rough, press Update"
+        ),
+        default=True,
+    )
     quality: bpy.props.EnumProperty(
         name="Quality",
         description="How closely the render follows the formula",

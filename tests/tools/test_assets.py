@@ -118,5 +118,5 @@ def test_assets_bring_no_more_than_they_need(blender, library):
     assert material[KEY]
     assert len(blender.data.materials) == 1
     assert not blender.data.objects
-    assert [image.name for image in blender.data.images] == [fit_table.NAME]
+    assert [image.name for image in blender.data.images] == [fit_table.TABLE.name]
     assert build(preset, Choice("nodes", "fit")) is material
