@@ -19,28 +19,31 @@ Sources:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import quadrature
+from . import quadrature, ward_fit
 from .anisotropic import turned
-from .cook_torrance import visible_density, visible_facet
+from .cook_torrance import cook_torrance, visible_density, visible_facet
 from .directions import above, as_finite, as_pair, as_positive, dot, half_vector, reflect
-from .distributions import beckmann_d
+from .distributions import beckmann_d, smith_g
+from .fresnel import Schlick
+from .oren_nayar import Lambert
 from .over_lambert import OverLambert
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .directions import Floats
+    from .model import Brdf
 
-Kind = Literal["bounded", "ward_1992", "duer_2006"]
+KINDS = ("bounded", "ward_1992", "duer_2006")
 # The most that a white lobe sends back, to views of 89.5 degrees and slopes of up to 10:1
 HIGHEST = {"bounded": 1.0, "ward_1992": 1.07}
 
 
-def lobe_over_d(kind: Kind, ni: Floats, no: Floats, both2: Floats, nh: Floats) -> Floats:
+def lobe_over_d(kind: str, ni: Floats, no: Floats, both2: Floats, nh: Floats) -> Floats:
     """The lobe over D, for cosines above 0; both2: |wi + wo|^2, 4 (v.h)^2 without its rounding."""
     if kind == "bounded":
         return np.asarray(1.0 / both2)
@@ -59,16 +62,19 @@ class Ward(OverLambert):
     m_x: float
     m_y: float
     azimuth: float = 0.0
-    kind: Kind = "bounded"
+    kind: str = "bounded"
 
     def __post_init__(self) -> None:
         super().__post_init__()
         as_positive(self.m_x, "m_x")
         as_positive(self.m_y, "m_y")
         as_finite(self.azimuth, "azimuth")
+        if self.kind not in KINDS:
+            message = f'kind must be one of {", ".join(KINDS)}, got "{self.kind}"'
+            raise ValueError(message)
 
     def lobe(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
-        wi, wo = (turned(w, self.azimuth) for w in as_pair(wi, wo))
+        wi, wo = self._turned(wi, wo)
         lit, h = above(wi, wo), half_vector(wi, wo)
         ni, no = (np.where(lit, w[..., 2], 1.0) for w in (wi, wo))
         both = np.where(lit[..., None], wi + wo, [0.0, 0.0, 2.0])
@@ -85,7 +91,28 @@ class Ward(OverLambert):
         return turned(reflect(wo, visible_facet(wo, self.m_x, u, self.m_y)), -self.azimuth)
 
     def _density(self, wi: Floats, wo: Floats) -> Floats:
-        return visible_density(turned(wi, self.azimuth), turned(wo, self.azimuth), self.m_x, self.m_y)
+        return visible_density(*self._turned(wi, wo), self.m_x, self.m_y)
+
+    def rendered(self, estimator: str, _bound: float) -> Brdf:
+        """See ``estimators.rendered``. ``fit``: Lambert and two of Cycles' lobes; ``closure``: one."""
+        if estimator not in {"fit", "closure"}:
+            return self.evaluate
+        lobe = self._fit if estimator == "fit" else self._smith
+        specular = np.asarray(self.specular)
+        return lambda wi, wo: Lambert(self.albedo).evaluate(wi, wo) + lobe(*self._turned(wi, wo))[..., None] * specular
+
+    def _fit(self, wi: Floats, wo: Floats) -> Floats:
+        return ward_fit.fit(wi, wo, self.m_x, self.m_y, self.kind)
+
+    def _smith(self, wi: Floats, wo: Floats) -> Floats:
+        """Cook-Torrance's lobe with Smith's G; of the form of 1992 times the view's cosine, as which that darkens."""
+        G = smith_g(wi, wo, self.m_x, self.m_y)
+        f = cook_torrance(wi, wo, self.m_x, Schlick(1.0), G, m_y=self.m_y)[..., 0]
+        return f * np.maximum(wo[..., 2], 0.0) if self.kind == "ward_1992" else f
+
+    def _turned(self, wi: ArrayLike, wo: ArrayLike) -> tuple[Floats, Floats]:
+        wi, wo = as_pair(wi, wo)
+        return turned(wi, self.azimuth), turned(wo, self.azimuth)
 
     def lobe_albedo(self, wo: Floats) -> Floats:
         return self.lobe_moment(wo, 1)
