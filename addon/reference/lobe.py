@@ -106,10 +106,22 @@ class Lobe:
         return np.where(strongest > 0.0, self.rgb / np.where(strongest > 0.0, strongest, 1.0), 1.0)
 
 
-def lobe(brdf: Brdf, wi: Floats, times: str = "one", rings: int = RINGS, around: int = AROUND) -> Lobe:
-    """The lobe of ``brdf`` under a light at ``wi`` (3,)."""
-    wo = directions(wi, rings, around)
-    return Lobe(wo, weighted(brdf(wi, wo), wi, wo, times))
+def lobe(brdf: Brdf, wi: Floats, times: str = "one", *, isotropic: bool = False) -> Lobe:
+    """The lobe of ``brdf`` under a light at ``wi`` (3,).
+
+    isotropic: it is as at the right of the plane of incidence, so at its left: one side is evaluated.
+    """
+    wo = directions(wi)
+    if not isotropic:
+        return Lobe(wo, weighted(brdf(wi, wo), wi, wo, times))
+    side = np.arange(AROUND)
+    half = wo[:, : AROUND // 2 + 1]
+    return Lobe(wo, weighted(brdf(wi, half), wi, half, times)[:, np.minimum(side, AROUND - side)])
+
+
+def is_isotropic(model: Any) -> bool:
+    """Whether a model looks the same however it is turned about the normal."""
+    return not any(isinstance(part, Anisotropic) for part in (model, getattr(model, "specular", None)))
 
 
 def normals(vertices: Floats) -> Floats:

@@ -63,6 +63,17 @@ def test_the_lobe_holds_f_times_the_cosines():
     np.testing.assert_allclose(f["cos_io"].rgb, expected * wo[..., 2:] * wi[2], rtol=1e-15)
 
 
+@pytest.mark.parametrize("model", [CookTorrance(0.3, COPPER), OrenNayar(0.8, 0.5), Anisotropic(0.5, 0.1, COPPER, 0.7)])
+def test_one_side_of_an_isotropic_lobe_is_as_the_other(model):
+    """Which evaluates half of it; a brushed one is not isotropic."""
+    wi = spherical(0.8, 0.3)
+    whole = lobe.lobe(model.evaluate, wi).rgb
+    mirrored = lobe.lobe(model.evaluate, wi, isotropic=True).rgb
+    same = np.allclose(mirrored, whole, rtol=1e-9, atol=1e-12)
+    assert same == lobe.is_isotropic(model)
+    assert not lobe.is_isotropic(Sum(Lambert(0.5), Anisotropic(0.5, 0.1, COPPER), 0.5, 0.5))
+
+
 def test_vertices_are_as_far_as_f_is_large():
     """The peak at 1, linear; four decades below it at 0, logarithmic."""
     found = lobe.lobe(CookTorrance(0.3, COPPER).evaluate, spherical(0.5))
