@@ -26,10 +26,6 @@ if TYPE_CHECKING:
     from ..addon.reference.model import Brdf
 
 MOST = 8  # BRDFs in one figure, as many colours as can be told apart
-LIGHT = 0.0, 89.99  # range of theta_i in degrees
-STEP = 0.5  # degrees between angles of a curve, where none is denser
-NEAR = np.concatenate([[0.0], np.geomspace(1e-3, 20.0, 120)])  # degrees from a peak
-LAST = 89.99  # degrees: at 90 f is 0 by convention
 ALBEDO_ANGLES = np.concatenate([np.arange(0.0, 85.0, 2.5), [85.0, 87.0, 88.0, 89.0]])  # degrees; a quadrature each
 CELLS = 90  # of an image, along theta_h and theta_d
 
@@ -141,21 +137,19 @@ def quantity(view: View) -> str:
 
 def _slice(brdfs: Mapping[str, Plotted], view: View) -> Numbers:
     """theta_o from one horizon to the other, denser around the mirror direction and the light's own."""
-    near = [side * view.theta_i + sign * NEAR for side in (1, -1) for sign in (1, -1)]
-    every = np.concatenate([np.arange(-90.0 + STEP, 90.0, STEP), [-LAST, LAST], *near])
-    theta = np.unique(np.round(every[np.abs(every) <= LAST], 6))
-    wo = spherical(np.radians(np.abs(theta)), np.radians(view.phi_i + view.phi_o + np.where(theta < 0, 0.0, 180.0)))
+    theta = lobe.slice_angles(view.wi)
+    wo = lobe.slice_directions(theta, view.phi_i + view.phi_o)
     return _evaluated(brdfs, view, ("theta_o",), theta[:, None], view.wi, wo)
 
 
 def _over_theta_h(brdfs: Mapping[str, Plotted], view: View) -> Numbers:
     """theta_d is theta_i, the angle of light and view where theta_h is 0."""
-    theta_h = np.square(np.arange(301) / 300.0) * LAST
+    theta_h = np.square(np.arange(301) / 300.0) * lobe.LAST
     return _half(brdfs, view, "theta_h", theta_h, theta_h, np.full_like(theta_h, view.theta_i))
 
 
 def _over_theta_d(brdfs: Mapping[str, Plotted], view: View) -> Numbers:
-    theta_d = np.concatenate([np.arange(0.0, 90.0, STEP), [LAST]])
+    theta_d = np.concatenate([np.arange(0.0, 90.0, lobe.STEP), [lobe.LAST]])
     return _half(brdfs, view, "theta_d", theta_d, np.full_like(theta_d, view.theta_h), theta_d)
 
 

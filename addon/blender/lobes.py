@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from dataclasses import dataclass
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from mathutils import Matrix, Vector
@@ -15,7 +15,7 @@ from ..reference import lobe, rendered
 from . import material
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from bpy.types import Depsgraph, Material, Object, Scene
 
@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from ..reference.directions import Floats
     from ..reference.lobe import Lobe
 
+T = TypeVar("T")
 BRDF = "f"  # the whole, beside the terms "D", "G" and "F"
-MOST_KEPT = 16  # lobes: of two materials, under the lights of several viewports
+MOST_KEPT = 32  # lobes and slices: of two materials, under the lights of several viewports
 DIGITS = 7  # of a direction; Blender's matrices hold float32
 FARTHEST = 0.9  # cosine: an axis that is nearer to the normal gives no tangent
 
@@ -76,9 +77,17 @@ class _Seen:
     number: int
 
 
+@dataclass(frozen=True)
+class Slice:
+    """theta_o (n,) in degrees, negative on the light's side, and what is drawn there, (n, 3)."""
+
+    theta_o: Floats
+    rgb: Floats
+
+
 _seen: dict[int, _Seen] = {}  # by the material's session_uid
 _numbers = count()
-_lobes: OrderedDict[tuple[Any, ...], Lobe] = OrderedDict()
+_results: OrderedDict[tuple[Any, ...], Any] = OrderedDict()
 
 
 def of_material(of: Material, wi: Floats, times: str = "one", term: str = BRDF) -> Lobe | None:
@@ -87,6 +96,25 @@ def of_material(of: Material, wi: Floats, times: str = "one", term: str = BRDF) 
     Numbers are those of the material's inputs; textures are not read. MaterialError if it was not made by vgroove.
     The same material under the same light gives the same object.
     """
+
+    def evaluated(seen: _Seen) -> Lobe:
+        return lobe.lobe(seen.brdfs[term], wi, times, isotropic=seen.isotropic)
+
+    return _kept(of, wi, times, term, evaluated)
+
+
+def slice_of(of: Material, wi: Floats, times: str = "one", term: str = BRDF) -> Slice | None:
+    """The slice through the plane of incidence of what ``of_material`` shows."""
+
+    def evaluated(seen: _Seen) -> Slice:
+        theta = lobe.slice_angles(wi)
+        wo = lobe.slice_directions(theta, float(np.degrees(np.arctan2(wi[1], wi[0]))))
+        return Slice(theta, lobe.weighted(seen.brdfs[term](wi, wo), wi, wo, times))
+
+    return _kept(of, wi, times, term, evaluated)
+
+
+def _kept(of: Material, wi: Floats, times: str, term: str, evaluated: Callable[[_Seen], T]) -> T | None:
     preset = material.origin_of(of).preset
     seen = _seen.get(of.session_uid)
     if seen is None or seen.preset != preset:
@@ -95,13 +123,13 @@ def of_material(of: Material, wi: Floats, times: str = "one", term: str = BRDF) 
         seen = _seen[of.session_uid] = _Seen(preset, brdfs, lobe.is_isotropic(model), next(_numbers))
     if term not in seen.brdfs or wi[2] <= 0.0:
         return None
-    key = (seen.number, *wi.tolist(), times, term)
-    if key not in _lobes:
-        _lobes[key] = lobe.lobe(seen.brdfs[term], wi, times, isotropic=seen.isotropic)
-        while len(_lobes) > MOST_KEPT:
-            _lobes.popitem(last=False)
-    _lobes.move_to_end(key)
-    return _lobes[key]
+    key = (evaluated.__qualname__, seen.number, *wi.tolist(), times, term)
+    if key not in _results:
+        _results[key] = evaluated(seen)
+        while len(_results) > MOST_KEPT:
+            _results.popitem(last=False)
+    _results.move_to_end(key)
+    return _results[key]
 
 
 def has_term(of: Material, term: str) -> bool:
@@ -112,4 +140,4 @@ def has_term(of: Material, term: str) -> bool:
 def forget() -> None:
     """All that is kept."""
     _seen.clear()
-    _lobes.clear()
+    _results.clear()

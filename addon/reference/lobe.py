@@ -13,7 +13,7 @@ import numpy as np
 
 from .anisotropic import Anisotropic, turned
 from .cook_torrance import CookTorrance
-from .directions import as_directions, as_pair, facet_cosine, half_vector
+from .directions import as_directions, as_pair, facet_cosine, half_vector, spherical
 from .distributions import beckmann_d, vgroove_g
 from .generator import Generator
 
@@ -28,6 +28,9 @@ CHANNELS = ("luminance", "red", "green", "blue")
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear Rec.709
 DECADES = 4.0  # that a logarithmic lobe shows, down from the peak
 RINGS, AROUND = 48, 96
+STEP = 0.5  # degrees between the angles of a slice, where none is denser
+NEAR = np.concatenate([[0.0], np.geomspace(1e-3, 20.0, 120)])  # degrees from a peak
+LAST = 89.99  # degrees: at 90 f is 0 by convention
 LOWEST = np.radians(89.9)  # a mirror direction nearer the horizon would leave no room for rings beyond it
 RIM = 1.0 - 1e-6  # of the way to the horizon, where f would be 0
 
@@ -49,6 +52,25 @@ def directions(wi: Floats, rings: int = RINGS, around: int = AROUND) -> Floats:
     x = np.cos(a) * sin + np.sin(a) * np.cos(b) * cos
     z = np.cos(a) * cos - np.sin(a) * np.cos(b) * sin
     return turned(np.stack([x, np.sin(a) * np.sin(b), z], axis=-1), -(phi + np.pi))
+
+
+def slice_angles(wi: Floats) -> Floats:
+    """theta_o (n,) in degrees from one horizon to the other, for ``slice_directions``.
+
+    Half a degree apart, and denser around the mirror direction and the light's own.
+    """
+    theta = float(np.degrees(np.arctan2(np.hypot(wi[0], wi[1]), wi[2])))
+    near = [side * theta + sign * NEAR for side in (1, -1) for sign in (1, -1)]
+    every = np.concatenate([np.arange(-90.0 + STEP, 90.0, STEP), [-LAST, LAST], *near])
+    return np.unique(np.round(every[np.abs(every) <= LAST], 6))
+
+
+def slice_directions(theta_o: Floats, phi: float) -> Floats:
+    """Directions (n, 3) at ``theta_o`` in the plane of azimuth ``phi``, both in degrees: on that side if negative.
+
+    phi is the light's azimuth for a slice in the plane of incidence.
+    """
+    return spherical(np.radians(np.abs(theta_o)), np.radians(phi + np.where(theta_o < 0, 0.0, 180.0)))
 
 
 def weighted(f: Floats, wi: Floats, wo: Floats, times: str) -> Floats:

@@ -132,6 +132,11 @@ class VGrooveViewer(bpy.types.PropertyGroup):
         "facets that mirror the light toward you",
         default=False, options=set(), update=redraw,
     )  # fmt: skip
+    slice: bpy.props.BoolProperty(
+        name="Slice", description="Draw the slice through the plane of incidence in the viewport's corner, with its "
+        "values and the angle of its peak",
+        default=True, options=set(), update=redraw,
+    )  # fmt: skip
 
 
 def materials(context: bpy.types.Context) -> list[bpy.types.Material]:
@@ -287,6 +292,7 @@ class VGROOVE_PT_viewer(InSidebar, bpy.types.Panel):
         column.prop(settings, "size")
         column.prop(settings, "mirror")
         column.prop(settings, "half")
+        column.prop(settings, "slice")
         layout.column().prop(settings, "other")
 
 

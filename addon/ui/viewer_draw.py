@@ -18,9 +18,11 @@ from gpu_extras.batch import batch_for_shader
 from ..blender import lobes
 from ..library.errors import InputError
 from ..reference import lobe
-from . import viewer
+from . import viewer, viewer_slice
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mathutils import Matrix
 
     from ..reference.directions import Floats
@@ -37,20 +39,12 @@ _meshes: OrderedDict[tuple[Any, ...], tuple[Lobe, Any]] = OrderedDict()
 
 
 def draw() -> None:
-    """At each redraw of a viewport. What cannot be drawn is told by the panel."""
+    """At each redraw of a viewport, in the scene. What cannot be drawn is told by the panel."""
     context = bpy.context
     settings = context.scene.vgroove_viewer
-    if not settings.show or not context.space_data.overlay.show_overlays:
-        return
-    at = viewer.frame(context.scene)
-    wi = viewer.toward_light(context.scene, context.region_data, at)
-    if wi is None or wi[2] <= 0.0:
-        return
-    try:
-        found = shown(context, wi)
-    except InputError:
-        return
-    if not found:
+    at, wi = _light(context)
+    found = shown(context, wi) if wi is not None else []
+    if at is None or wi is None or not found:
         return
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.depth_mask_set(True)  # noqa: FBT003 (Blender takes no name)
@@ -70,13 +64,43 @@ def draw() -> None:
         gpu.state.blend_set("NONE")
 
 
-def shown(context: bpy.types.Context, wi: Floats) -> list[tuple[Lobe, tuple[float, float, float]]]:
-    """The lobes to draw with their colors."""
+def draw_slice() -> None:
+    """The same, in the viewport's corner."""
+    context = bpy.context
+    settings = context.scene.vgroove_viewer
+    if not settings.slice:
+        return
+    _, wi = _light(context)
+    found = shown(context, wi, lobes.slice_of) if wi is not None else []
+    if wi is None or not found:
+        return
+    channel = _channel(settings)
+    peak = max(float(np.max(lobe.channel_of(one.rgb, channel))) for one, _ in found)
+    tools = next((one for one in context.area.regions if one.type == "TOOLS"), None)
+    lines, words = viewer_slice.plotted(found, wi, channel, peak, log=settings.log)
+    viewer_slice.draw(lines, words, context.preferences.system.ui_scale, tools.width if tools else 0.0)
+
+
+def _light(context: bpy.types.Context) -> tuple[Matrix | None, Floats | None]:
+    """Where the lobe stands, and to the light; None where nothing is to be drawn."""
+    if not context.scene.vgroove_viewer.show or not context.space_data.overlay.show_overlays:
+        return None, None
+    at = viewer.frame(context.scene)
+    wi = viewer.toward_light(context.scene, context.region_data, at)
+    return at, wi if wi is not None and wi[2] > 0.0 else None
+
+
+def shown(
+    context: bpy.types.Context, wi: Floats, what: Callable[..., Any] = lobes.of_material
+) -> list[tuple[Any, tuple[float, float, float]]]:
+    """What to draw of each material, lobes or slices, with its color; nothing of what cannot be read."""
     settings = context.scene.vgroove_viewer
     times = settings.times if settings.term == lobes.BRDF else "one"
-    found = zip(viewer.materials(context), COLORS, strict=False)
-    both = [(lobes.of_material(one, wi, times, settings.term), color) for one, color in found]
-    return [(one, color) for one, color in both if one is not None]
+    try:
+        both = [what(one, wi, times, settings.term) for one in viewer.materials(context)]
+    except InputError:
+        return []
+    return [(one, color) for one, color in zip(both, COLORS, strict=False) if one is not None]
 
 
 def peak_of(found: list[Lobe], settings: viewer.VGrooveViewer) -> float:
@@ -147,7 +171,8 @@ def register(*, background: bool | None = None) -> None:
     """Draw from now on; nothing where Blender has no window."""
     if bpy.app.background if background is None else background:
         return
-    _handles.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW"))
+    for function, when in ((draw, "POST_VIEW"), (draw_slice, "POST_PIXEL")):
+        _handles.append(bpy.types.SpaceView3D.draw_handler_add(function, (), "WINDOW", when))
     bpy.app.handlers.depsgraph_update_post.append(changed)
 
 

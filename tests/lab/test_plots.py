@@ -12,12 +12,21 @@ from vgroove.addon.library import presets
 from vgroove.addon.library.errors import InputError
 from vgroove.addon.measured import Merl, tabulate
 from vgroove.addon.measured.merl import half_and_difference
-from vgroove.addon.reference import CookTorrance, Lambert, OrenNayar, Schlick, albedo, lobe, spherical
+from vgroove.addon.reference import Anisotropic, CookTorrance, Lambert, OrenNayar, Schlick, albedo, lobe, spherical
 from vgroove.lab import plots
 from vgroove.lab.curves import MOST, csv_text, numbers
 
 COPPER = CookTorrance(0.3, Schlick((0.95, 0.64, 0.54)))
 GREY = Lambert([0.6, 0.3, 0.1])
+
+
+def test_head_on_light_has_an_azimuth_too():
+    """Along which a brushed surface is cut."""
+    brushed = Anisotropic(0.5, 0.1, Schlick(0.9))
+    along, across = (
+        numbers("polar", {"": brushed}, plots.View(theta_i=0.0, phi_i=phi)).rgb[""][:, 0] for phi in (0.0, 90.0)
+    )
+    assert (along > 0.5 * along.max()).sum() > 2 * (across > 0.5 * across.max()).sum()
 
 
 def direction(theta_o, phi_i=0.0, phi_o=0.0):

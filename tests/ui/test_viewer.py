@@ -33,10 +33,10 @@ def settings_of(bpy):
     return bpy.context.scene.vgroove_viewer
 
 
-def shown(bpy, wi):
+def shown(bpy, wi, what=lobes.of_material):
     from vgroove.addon.ui import viewer_draw
 
-    return viewer_draw.shown(bpy.context, wi)
+    return viewer_draw.shown(bpy.context, wi, what)
 
 
 def test_the_lobe_is_the_reference_s(stage):
@@ -47,6 +47,32 @@ def test_the_lobe_is_the_reference_s(stage):
     ((with_cosine, _),) = shown(stage, wi)
     # At the rim the cosine is 1e-6, which the two sides of the plane of incidence round by 1e-16 differently.
     assert_allclose(with_cosine.rgb, found.rgb * found.wo[..., 2:], rtol=1e-9)
+
+
+def test_the_slice_is_the_reference_s_and_names_its_peak(stage):
+    """As long as the peak at the peak; the light at the left."""
+    from vgroove.addon.ui import viewer_draw, viewer_slice
+
+    wi = spherical(radians(60.0), radians(20.0))
+    ((found, color),) = shown(stage, wi, lobes.slice_of)
+    wo = lobe.slice_directions(found.theta_o, 20.0)
+    assert_allclose(found.rgb, COPPER.reference().evaluate(wi, wo), rtol=2e-6)
+    assert shown(stage, wi, lobes.slice_of)[0][0] is found
+    peak = lobe.channel_of(found.rgb, "luminance").max()
+    for log in (False, True):
+        lines, words = viewer_slice.plotted([(found, color)], wi, "luminance", peak, log=log)
+        curve, rgba, _ = lines[-1]
+        assert rgba[:3] == color
+        far = np.hypot(*curve.T)
+        assert far.max() == pytest.approx(1.0, abs=1e-12)
+        assert np.degrees(np.arctan2(*curve[far.argmax()])) == pytest.approx(80.0, abs=0.5)
+        light = next(points for points, of, _ in lines if of == viewer_slice.GOLD)
+        assert np.degrees(np.arctan2(*light[1])) == pytest.approx(-60.0, abs=1e-3)
+        texts = [text for text, *_ in words]
+        assert f"peak {peak:.3g} at 80.0°" in texts
+        assert f"{peak:.2g}" in texts
+        assert f"{peak * (1e-2 if log else 0.5):.2g}" in texts
+    assert viewer_draw.COLORS[0] == color
 
 
 @pytest.mark.parametrize("term", ["D", "G", "F"])
@@ -203,7 +229,7 @@ def test_nothing_is_drawn_without_a_window_and_nothing_stays(blender, monkeypatc
     with headless.quiet():
         for _ in range(2):
             viewer_draw.register(background=False)
-            assert len(viewer_draw._handles) == 1
+            assert len(viewer_draw._handles) == 2
             assert viewer_draw.changed in handlers
             viewer_draw.unregister()
             assert viewer_draw._handles == []

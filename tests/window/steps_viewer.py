@@ -56,8 +56,14 @@ def lobe(hands):
     yield from hands.click(place(area, (0.0, 0.0, 1.0)))  # the middle of the top
     assert (setting().place, setting().show) == ("POINT", True)
     np.testing.assert_allclose([*setting().point, *setting().normal], [0, 0, 1, 0, 0, 1], atol=0.05)
+    assert setting().slice
     yield from hands.move(area.x + 60, area.y + 60)
     yield 1.0
+    corner = viewport(hands, area, "corner")[:170, 100:420]
+    setting().slice = False
+    yield 1.0
+    without_slice = viewport(hands, area, "without_slice")[:170, 100:420]
+    assert blue(corner) > blue(without_slice) + 200
     drawn = viewport(hands, area, "drawn")
     assert blue(drawn) > blue(without) + 2000
     setting().log = True

@@ -96,11 +96,11 @@ def viewer(hands: Any) -> Steps:
     shown.light_from, shown.theta, shown.phi = "ANGLES", 1.05, 1.0
     yield from hands.tab(area, "V-Groove")
     view = area.spaces.active.region_3d
-    view.view_distance, view.view_location = 6.6, (-0.8, -0.7, 0.0)
+    view.view_distance, view.view_location = 5.6, (-0.2, -0.2, 0.1)
     region = hands.region(area, "UI")
     yield from hands.click((region.x + 100, region.y + region.height - 20))  # closes the first panel
     yield from hands.unfold(area, "VGROOVE_PT_viewer", ("VGROOVE_PT_viewer", *SUBPANELS))
     yield from hands.move(area.x + 60, area.y + 60)
     yield 2.0
-    left = region.x - 560
-    hands.picture("viewer", (left, region.y + region.height - 560, region.x + region.width - left, 560))
+    window = hands.region(area, "WINDOW")
+    hands.picture("viewer", (window.x, window.y, region.x + region.width - window.x, window.height - 60))
