@@ -99,7 +99,13 @@ def measure(
     """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer; with --merl any material's."""
     _check_form(merl=merl, one_direction=theta_i is not None or furnace or phi_i or sun_angle or window, of=material)
     if merl:
-        how: dict[str, Any] = {"estimator": estimator, "backend": str(backend), "samples": samples, "seed": seed, "bound": bound}
+        how: dict[str, Any] = {
+            "estimator": estimator,
+            "backend": str(backend),
+            "samples": samples,
+            "seed": seed,
+            "bound": bound,
+        }
         measure_merl(name, output, material=material, settings=settings, at_time=at_time, **how)
         return
     preset = apply_settings(presets.find(name), settings, at_time)
