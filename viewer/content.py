@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..addon.library.preset import Preset
     from ..addon.measured import Table
     from ..addon.models import Model, Parameter
+    from ..addon.reference.facet_distribution import Term
 
 STOPS = 200  # positions of a slider
 
@@ -30,8 +31,13 @@ def form(preset: Preset) -> dict[str, Any]:
         raise InputError(message)
     return {
         "model": preset.model, "kind": preset.kind, "flags": list(preset.flags), "parameters": preset.parameters,
-        "distribution": [asdict(term) for term in preset.distribution],
+        "distribution": [term(one) for one in preset.distribution],
     }  # fmt: skip
+
+
+def term(one: Term) -> dict[str, Any]:
+    """A term of a distribution of facets."""
+    return asdict(one)
 
 
 def table(measured: Table) -> dict[str, Any]:
@@ -74,7 +80,6 @@ def _spec(spec: Model) -> dict[str, Any]:
         "lobes": [_parameter(one) for one in spec.lobes],
         "lobe_model": spec.lobe_model,
         "parameters": [_parameter(one) for one in spec.parameters if not one.in_volume],
-        "distribution": [asdict(term) for term in spec.distribution],
     }
 
 

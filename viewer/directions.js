@@ -6,7 +6,8 @@ const TANGENT = 1e-50;
 
 export const BLACK = [0, 0, 0];
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-export const norm = (a) => Math.hypot(a[0], a[1], a[2]);
+export const norm = (a) => Math.sqrt(dot(a, a)); // Math.hypot is ten times slower
+export const across = (a) => Math.sqrt(a[0] * a[0] + a[1] * a[1]); // the sine of its polar angle
 export const times = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
 export const plus = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const cross = (a, b) => [
@@ -45,7 +46,7 @@ export function turned(w, azimuth) {
 
 /** Half and difference angles [theta_h, theta_d, phi_d] in radians. Source: Rusinkiewicz 1998. */
 export function halfAndDifference(wi, wo) {
-  const h = halfVector(wi, wo), sinH = Math.hypot(h[0], h[1]);
+  const h = halfVector(wi, wo), sinH = across(h);
   const cosD = norm(plus(wi, wo)) / 2, sinD = norm(plus(wi, times(wo, -1))) / 2;
   const [cx, cy] = sinH > 0 ? [h[0] / sinH, h[1] / sinH] : [1, 0];
   const x = (wi[0] * cx + wi[1] * cy) * h[2] - wi[2] * sinH, y = wi[1] * cx - wi[0] * cy;

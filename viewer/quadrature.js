@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Directional albedo by Gauss-Legendre panels whose edges lie on the kinks of the integrand, as in
 // addon/reference/quadrature.py.
-import { BLACK } from "./directions.js";
+import { BLACK, across } from "./directions.js";
 
 const NODES = 8;
 const REACH = 6; // slopes beyond 6 m carry exp(-36) of the facets
@@ -51,7 +51,7 @@ function albedoAt(vz, azimuth, F, mX, mY) {
   const vx = Math.sqrt((1 - vz) * (1 + vz)), cos = Math.cos(azimuth), sin = Math.sin(azimuth);
   const c = Math.hypot(sin / mX, cos / mY) ** 2;
   const b = cos * sin * (1 / mY - 1 / mX) * (1 / mY + 1 / mX);
-  const along = Math.hypot(mX * cos, mY * sin), across = c ** -0.5;
+  const along = Math.hypot(mX * cos, mY * sin), beside = c ** -0.5;
   const t = vx / vz, far = t + Math.sqrt(t * t + 1);
   const scales = [...LADDER, ...SPREAD.map((s) => s * along)];
   const outer = [0, t, ...scales, ...scales.map((s) => -s)];
@@ -60,11 +60,11 @@ function albedoAt(vz, azimuth, F, mX, mY) {
   integrate(outer, Math.max(-1 / far, -REACH * along), Math.min(far, REACH * along), (p, pWeight) => {
     const A = vx * p + vz, centre = (-b / c) * p, middle = Math.abs(centre);
     const circle = (length2) => Math.sqrt(Math.max(length2 - 1 - p * p, 0));
-    const end = Math.min(circle((2 * A) / vz), middle + REACH * across);
+    const end = Math.min(circle((2 * A) / vz), middle + REACH * beside);
     const shadow = circle(4 / (Math.min(1, (2 * vz) / A) + (2 * vz) / A));
     const spreads = b ? [...SPREAD.map((s) => -s), 0, ...SPREAD] : SPREAD;
     const even = (p / along) ** 2, peak = 1 / (Math.PI * mX * mY);
-    integrate([...LADDER, shadow, ...spreads.map((s) => middle + s * across)], 0, end, (q, qWeight) => {
+    integrate([...LADDER, shadow, ...spreads.map((s) => middle + s * beside)], 0, end, (q, qWeight) => {
       const density = Math.exp(-even - c * (q - centre) ** 2) + Math.exp(-even - c * (q + centre) ** 2);
       const length2 = 1 + p * p + q * q;
       const G2 = Math.max(Math.min(1, (2 * vz) / A, 4 / length2 - (2 * vz) / A), 0);
@@ -75,25 +75,26 @@ function albedoAt(vz, azimuth, F, mX, mY) {
   return E;
 }
 
-const VIEWS = 160; // nodes, closer toward the horizon, where E changes fastest
 const AZIMUTHS = 24; // nodes from 0 to 180 degrees, where it repeats
 
 /** wo -> E(wo) of Cook-Torrance, [R, G, B]: cubic between nodes of the quadrature, each computed where first needed. */
 export function vgrooveAlbedo(F, mX, mY) {
   const nodes = new Map(), isRound = mX === mY;
+  // Closer toward the horizon, where E changes fastest, and the more so the narrower the lobe
+  const count = Math.min(Math.ceil(40 + 2.4 / Math.min(mX, mY)), 160);
   const node = (i, j) => {
     const key = isRound ? i : i * AZIMUTHS + j;
     if (!nodes.has(key)) {
-      const up = (Math.max(i, 0.02) / VIEWS) ** 2 * (Math.PI / 2);
+      const up = (Math.max(i, 0.02) / count) ** 2 * (Math.PI / 2);
       nodes.set(key, albedoAt(Math.sin(up), (j / AZIMUTHS) * Math.PI, F, mX, mY));
     }
     return nodes.get(key);
   };
   return (wo) => {
     if (wo[2] <= 0) return BLACK;
-    const s = Math.sqrt(Math.atan2(wo[2], Math.hypot(wo[0], wo[1])) / (Math.PI / 2)) * VIEWS;
+    const s = Math.sqrt(Math.atan2(wo[2], across(wo)) / (Math.PI / 2)) * count;
     const turn = isRound ? 0 : (((Math.atan2(wo[1], wo[0]) / Math.PI) * AZIMUTHS) % AZIMUTHS + AZIMUTHS) % AZIMUTHS;
-    const i = Math.min(Math.max(Math.floor(s) - 1, 0), VIEWS - 3), j = Math.floor(turn) - 1;
+    const i = Math.min(Math.max(Math.floor(s) - 1, 0), count - 3), j = Math.floor(turn) - 1;
     const views = cubic(s - i), turns = isRound ? [1] : cubic(turn - j);
     const E = [0, 0, 0];
     turns.forEach((v, b) => views.forEach((u, a) => {

@@ -4,7 +4,7 @@
 // With a = max(theta_i, theta_o), b = min(theta_i, theta_o), p = phi_i - phi_o and s2 = sigma^2:
 // f = albedo/pi [C1 + cos p C2 tan b + (1 - |cos p|) C3 tan((a + b)/2)]
 //     + 0.17 albedo^2/pi s2/(s2 + 0.13) [1 - cos p (2b/pi)^2]
-import { BLACK, above } from "../directions.js";
+import { BLACK, above, across } from "../directions.js";
 
 /** Lambert: f = albedo / pi. */
 export const lambert = (albedo) => ({
@@ -15,7 +15,7 @@ export const lambert = (albedo) => ({
 export function orenNayar(wi, wo, albedo, sigma, qualitative) {
   if (!above(wi, wo)) return BLACK;
   const s2 = sigma * sigma;
-  const { low, high, tanB, cosP, aside } = angles(wi, wo);
+  const [low, high, tanB, cosP, aside] = angles(wi, wo);
   const C1 = 1 - (0.5 * s2) / (s2 + 0.33), slope = (0.45 * s2) / (s2 + 0.09);
   if (qualitative) {
     const shape = C1 + Math.max(cosP, 0) * slope * Math.cos(low) * tanB;
@@ -32,13 +32,13 @@ export function orenNayar(wi, wo, albedo, sigma, qualitative) {
 
 /** Elevations pi/2 - a and pi/2 - b, tan b, and of the azimuths cos p and 1 - |cos p|. */
 function angles(wi, wo) {
-  const sinI = Math.hypot(wi[0], wi[1]), sinO = Math.hypot(wo[0], wo[1]);
+  const sinI = across(wi), sinO = across(wo);
   const upI = Math.atan2(wi[2], sinI), upO = Math.atan2(wo[2], sinO);
-  const found = { low: Math.min(upI, upO), high: Math.max(upI, upO), tanB: Math.min(sinI / wi[2], sinO / wo[2]) };
-  if (sinI === 0 || sinO === 0) return { ...found, cosP: 0, aside: 1 }; // along the normal b is 0, p is undefined
-  const [xi, yi, xo, yo] = [wi[0] / sinI, wi[1] / sinI, wo[0] / sinO, wo[1] / sinO];
+  const low = Math.min(upI, upO), high = Math.max(upI, upO), tanB = Math.min(sinI / wi[2], sinO / wo[2]);
+  if (sinI === 0 || sinO === 0) return [low, high, tanB, 0, 1]; // along the normal b is 0, p is undefined
+  const xi = wi[0] / sinI, yi = wi[1] / sinI, xo = wo[0] / sinO, yo = wo[1] / sinO;
   const cosP = Math.min(Math.max(xi * xo + yi * yo, -1), 1), sinP = xi * yo - yi * xo;
-  return { ...found, cosP, aside: (sinP * sinP) / (1 + Math.abs(cosP)) };
+  return [low, high, tanB, cosP, (sinP * sinP) / (1 + Math.abs(cosP))];
 }
 
 export function reference({ kind, parameters: { albedo, sigma } }) {
