@@ -13,7 +13,7 @@ import typer
 from typer.exceptions import TyperException
 
 from ..addon.library.errors import InputError
-from . import batch, check, explain, fit, gallery, info, measure, plot, presets, render, report
+from . import batch, check, explain, fit, gallery, info, measure, plot, presets, render, report, view
 from .terminal import fail
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ app.command("batch")(batch.batch)
 app.command("gallery")(gallery.gallery)
 app.command("check")(check.check)
 app.command("report")(report.report)
+app.command("view")(view.view)
 
 
 def main() -> None:

@@ -33,7 +33,7 @@ def test_links_and_pictures_are_there(page):
         assert (path.parent / target).is_file(), target
 
 
-FOLDERS = "addon|batch|cli|docs|headless|lab|nodegroups|osl|presets|tests|tools"
+FOLDERS = "addon|batch|cli|docs|headless|lab|nodegroups|osl|presets|tests|tools|viewer"
 PATH = re.compile(rf"(?<![\w./-])(?:{FOLDERS})/[\w./*-]*[\w*/]|(?<=`)[\w*-]+/[\w./*-]+\.(?:py|osl|h|toml|csv|md)(?=`)")
 
 

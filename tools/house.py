@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parent.parent
 LEVELS = (
     ("reference",), ("models",), ("library",), ("measured",), ("nodegroups",), ("blender",), ("choose",),
-    ("ui", "headless"), ("lab", "batch"), ("cli",),
+    ("ui", "headless"), ("lab", "batch", "viewer"), ("cli",),
 )  # fmt: skip
 LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}
 SHIPPED = ("reference", "models", "library", "measured", "nodegroups", "blender", "choose", "ui")  # what Blender loads
@@ -52,7 +52,7 @@ def sources() -> list[Path]:
     """Every Python file of the package."""
     return sorted(
         path
-        for folder in ("addon", "nodegroups", "headless", "lab", "batch", "cli")
+        for folder in ("addon", "nodegroups", "headless", "lab", "batch", "viewer", "cli")
         for path in (ROOT / folder).rglob("*.py")
     )
 

@@ -14,7 +14,7 @@ pytestmark = [pytest.mark.blender, pytest.mark.once]
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "adding_a_model.md"
-ROOMS = ("addon", "batch", "cli", "headless", "lab", "nodegroups", "osl", "presets", "tests")
+ROOMS = ("addon", "batch", "cli", "headless", "lab", "nodegroups", "osl", "presets", "tests", "viewer")
 FILES = ("__init__.py", "blender_manifest.toml", "pyproject.toml")
 
 
