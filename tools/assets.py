@@ -51,7 +51,8 @@ def as_asset(preset: presets.Preset, name: str) -> bpy.types.Material:
     """A material for any scene, marked as an asset; what changes plays its course."""
     estimator = automatic.pick_estimator(None, preset)
     play = course.Play() if preset.time else None
-    made = material.build(preset, material.Choice("nodes", estimator, play=play))
+    bounces = families.gets_bounces(preset)
+    made = material.build(preset, material.Choice("nodes", estimator, bounces=bounces, play=play))
     made.name = name
     made.asset_mark()
     data = made.asset_data

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ... import headless
-from ...addon.blender import gonio
+from ...addon.blender import gonio, material
 from ...addon.choose.advice import native_fresnel_error
 from ...addon.library.presets import Preset, find, parse
-from ...addon.reference import CookTorrance, albedo, cook_torrance
+from ...addon.reference import CookTorrance, albedo, cook_torrance, rendered
 from ...addon.reference.cook_torrance_fit import hybrid_share
 from ...addon.reference.directions import dot
+from ...addon.reference.groove_fit import bounced
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.quadrature import vgroove_albedo
 from ...nodegroups import versions
@@ -141,6 +142,22 @@ def _unit(v: NDArray[np.float64]) -> NDArray[np.float64]:
     return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
 
+def bounces_row(setup: Setup, fresnel: str, m: float) -> Row:
+    """``closure`` with the lobe of further bounces, against both as the reference has them."""
+    preset = materials()[fresnel].with_parameters(m=m)
+    made = material.build(preset, material.Choice(setup.backend, "closure", bounces=True))
+    once, F = rendered(preset.reference(), "closure"), preset.reference_fresnel()
+    row = Row("closure, bounces", setup, MODEL, fresnel, {"m": m})
+    for theta_i in (20.0, 60.0):
+        geometry = gonio.Geometry(theta_i)
+        wi, wo = geometry.wi(), geometry.wo()
+        expected = once(wi, wo) + bounced(wi, wo, m, F, "closure")
+        with headless.quiet():
+            image = gonio.measure(made, geometry, shading_osl=setup.shading_osl)
+        row.views.append(View(geometry, image.astype(np.float64), expected, closure_bar(m), float(np.max(expected))))
+    return row
+
+
 def furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
     """``mirror`` under a uniform white world: the directional albedo."""
     preset = materials()[fresnel].with_parameters(m=m)
@@ -221,6 +238,7 @@ def plan() -> Plan:
             slopes = OSL_SLOPES if few else CLOSURE_SLOPES
             rows += [partial(row, setup, fresnel, m) for row in (closure_row, fit_row) for m in slopes]
         rows += [partial(row, setup, "f82", 0.3) for row in (direct_row, closure_row, fit_row)]
+        rows += [partial(bounces_row, setup, "schlick", m) for m in (1.0, 0.3)]
         for m in MIRROR_SLOPES:
             rows += [partial(furnace_row, setup, fresnel, m) for fresnel in ("white", "schlick")]
         if not few:  # nodes run as OSL draw the very same facets: the furnace shows it

@@ -101,7 +101,10 @@ def test_appended_materials_render_as_those_built_directly(balls, blender, libra
     def pictures(made):
         return {name: balls(partial(made, of.values()), lit="above", samples=1) for name, of in members.items()}
 
-    direct = pictures(lambda of, _: [build(p, Choice("nodes", automatic.pick_estimator(None, p))) for p in of])
+    def chosen(preset):
+        return Choice("nodes", automatic.pick_estimator(None, preset), bounces=families.gets_bounces(preset))
+
+    direct = pictures(lambda of, _: [build(preset, chosen(preset)) for preset in of])
     blender.ops.wm.read_factory_settings(use_empty=True)
     found = append_all(library)
     for name, again in pictures(lambda of, _: [found[preset.id] for preset in of]).items():

@@ -63,6 +63,47 @@ def test_dispersion_is_a_switch_that_is_off(extension):
     assert made[0] == made[1]
 
 
+def test_multiple_scattering_is_a_switch_that_is_on(extension):
+    """Shown for rough metals outside the Laboratory alone; others go without, whatever it says."""
+    from vgroove.addon.blender import origin
+    from vgroove.addon.ui import panels
+
+    settings = extension.context.scene.vgroove
+
+    def applied():
+        with headless.quiet():
+            assert extension.ops.vgroove.apply() == {"FINISHED"}
+        return extension.context.object.active_material
+
+    for settings.preset in ("lecture/copper", "metals/copper", "plastics/red_plastic"):
+        assert "bounces" not in drawn(extension, panels.VGROOVE_PT_material).props
+        assert not origin.read(applied()).bounces
+    smooth = applied()
+    settings.preset = "finished_metals/copper_sandblasted"
+    assert "bounces" in drawn(extension, panels.VGROOVE_PT_material).props
+    assert settings.bounces
+    made = []
+    for settings.bounces in (True, False):
+        made.append(applied())
+        assert origin.read(made[-1]).bounces is settings.bounces
+    assert made[0] == made[1] != smooth
+
+
+def test_update_adds_it_to_a_metal_that_was_made_rough(extension):
+    """By the material's present slope."""
+    from vgroove.addon.blender import origin
+
+    stage = extension.context.scene
+    stage.vgroove.preset = "metals/copper"
+    with headless.quiet():
+        extension.ops.vgroove.apply()
+        made = extension.context.object.active_material
+        assert not origin.read(made).bounces
+        material.parameter_sockets(made)["m"].default_value = 0.7
+        assert extension.ops.vgroove.update() == {"FINISHED"}
+    assert origin.read(made).bounces
+
+
 def test_apply_is_one_undo_step(extension):
     """One Ctrl-Z gives the cube its old material back."""
     stage = extension.context.scene
