@@ -47,6 +47,10 @@ NODES = {
     "translucent": Entry(
         "Translucent", "translucent/marble", "Light scatters below a glossy surface", "skin, wax, marble, milk"
     ),
+    "ward": Entry(
+        "Ward", "finished_metals/rolled_steel_sheet", "Ward's brushed highlight over a color",
+        "anisotropic, sheet metal, varnish, 1992",
+    ),
     "phong": Entry("Phong", "phong/phong_red_plastic", "Phong's highlight over a color, as of old", "classic, 1975"),
 }  # fmt: skip
 ESTIMATORS = ("fit", "closure")  # the first that a model has; both render in Cycles and EEVEE

@@ -28,15 +28,13 @@ SPECULAR = replace(
 
 def _reference(form: Form, _parts: object) -> Ward:
     of = form.parameters
-    aspect = (1.0 - (1.0 - NARROWEST) * of["anisotropy"]) ** 0.5
-    slopes = of["m"] / aspect, of["m"] * aspect
+    m, aspect = max(of["m"], SLOPE.low), (1.0 - (1.0 - NARROWEST) * of["anisotropy"]) ** 0.5  # 0 as its input has it
+    slopes = m / aspect, m * aspect
     return Ward(of["albedo"], of["specular"], *slopes, 2.0 * pi * of["rotation"], form.kind)
 
 
 def _flaw(form: Form) -> str:
     of, most = form.parameters, HIGHEST[form.kind]
-    if of["m"] == 0.0:
-        return "m must be greater than 0: Ward's model has no smooth limit at grazing views; use m >= 0.0001"
     total = float(np.max(np.asarray(of["albedo"]) + most * np.asarray(of["specular"])))
     if total > 1.0 + 1e-9:
         sum_ = "albedo + specular" if most == 1.0 else f"albedo + {most:g} specular"

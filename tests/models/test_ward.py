@@ -137,12 +137,10 @@ def test_every_shader_compiles(blender, shader, tmp_path):
 
 
 def test_what_would_gain_energy_is_refused():
-    """In one line: Duer's form of 2006, colours that add up to more than 1, and no roughness."""
+    """In one line: Duer's form of 2006, and colours that add up to more than 1."""
     with pytest.raises(presets.PresetError, match='kind of ward must be one of bounded, ward_1992, got "duer_2006"'):
         rows.material("duer_2006", 0.2, 0.5, 0.0)
     with pytest.raises(presets.PresetError, match=r"albedo \+ specular must be at most 1, .*; got 1.025"):
         rows.material("bounded", 0.2, 0.5, 0.0, 0.4)
     with pytest.raises(presets.PresetError, match=r"albedo \+ 1.07 specular must be at most 1, .*; got 1.01875"):
         rows.material("ward_1992", 0.2, 0.5, 0.0, 0.35)
-    with pytest.raises(presets.PresetError, match=r"m must be greater than 0"):
-        rows.material("bounded", 0.0, 0.5, 0.0)
