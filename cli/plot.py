@@ -154,7 +154,8 @@ def _named(text: str, settings: list[str] | None, at_time: float | None) -> tupl
     from ..addon import measured
 
     if Path(text).suffix.lower() in measured.ENDINGS or Path(text).is_file():
-        return Path(text).name, measured.read(text)
+        name = Path(text).name.encode("utf-8", "backslashreplace").decode()  # which may hold bytes that are no UTF-8
+        return name, measured.read(text)
     name, *own = text.split(":")
     preset = presets.find(name)
     preset = apply_settings(preset, [*(settings or []), *own], at_time)

@@ -112,13 +112,20 @@ def _saved(figure: Figure, ending: str, metadata: dict[str, Any]) -> bytes:
 
 def _drawn(shown: Numbers, channel: str) -> Iterator[tuple[str, Floats, dict[str, Any]]]:
     """Each line: its label, its values and its style. RGB: a colour a channel, a dash a BRDF."""
-    for (name, rgb), colour, dash in zip(shown.rgb.items(), COLOURS, DASHES, strict=False):
+    for (plain, rgb), colour, dash in zip(shown.rgb.items(), COLOURS, DASHES, strict=False):
+        name = _verbatim(plain)
         if channel != "rgb":
             yield name, lobe.channel_of(rgb, channel), {"color": colour}
             continue
         for one, shade in PRIMARIES.items():
             label = f"{name}, {one}" if len(shown.rgb) > 1 else one
             yield label, lobe.channel_of(rgb, one), {"color": shade, "ls": dash}
+
+
+def _verbatim(name: str) -> str:
+    """A name as Matplotlib shows it letter by letter: $ would begin a formula, and a legend leaves out _names."""
+    name = name.replace("$", r"\$")
+    return f" {name}" if name.startswith("_") else name
 
 
 def _title(plot: str, view: View, channel: str, shown: Numbers) -> str:
@@ -254,7 +261,7 @@ def _lobes(shown: Numbers, view: View, channel: str, *, log: bool) -> Figure:
         base = each.colors() if channel == "rgb" else np.broadcast_to(to_rgb(colour), vertices.shape)
         _surface(ax, vertices, base)
         _frame(ax, view)
-        ax.set_title(name, loc="center", pad=0, y=0.9)
+        ax.set_title(_verbatim(name), loc="center", pad=0, y=0.9)
     figure.suptitle(_title("lobe", view, channel, shown), x=0.01, ha="left", fontsize=9.5)
     return figure
 
@@ -304,7 +311,7 @@ def _images(shown: Numbers, view: View, channel: str, *, log: bool) -> Figure:
         else:
             norm = LogNorm(peak * 10.0**-lobe.DECADES, peak, clip=True) if log and peak > 0.0 else Normalize(0.0, peak)
             drawn = ax.pcolormesh(*grid, one.T, norm=norm, cmap="viridis", rasterized=True)
-        ax.set(title=name, xlabel=f"{SYMBOLS['theta_h']} (degrees)", ylim=(0, 90), facecolor="#eeeeee")
+        ax.set(title=_verbatim(name), xlabel=f"{SYMBOLS['theta_h']} (degrees)", ylim=(0, 90), facecolor="#eeeeee")
         ax.set_xscale("function", functions=(lambda x: np.sqrt(np.maximum(x, 0.0)), np.square))
         ax.xaxis.set_major_locator(FixedLocator([0, 5, 15, 30, 60, 90]))
         ax.yaxis.set_major_locator(FixedLocator([0, 30, 60, 90]))

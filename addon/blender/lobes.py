@@ -60,6 +60,20 @@ def toward(lamp: Object, point: Sequence[float]) -> Vector:
     return (lamp.matrix_world.translation - Vector(point)).normalized()
 
 
+def aimed(at: Matrix, radius: float, start: Vector, direction: Vector) -> tuple[float, float]:
+    """theta, at most a right angle, and phi of where a ray in world meets a ball of ``radius`` around the point.
+
+    Of a ray that passes by, where it is nearest.
+    """
+    back = at.inverted()
+    near, along = back @ start, (back.to_3x3() @ direction).normalized()
+    ahead = -near.dot(along)
+    beside = near + ahead * along
+    depth = max(radius**2 - beside.length_squared, 0.0) ** 0.5
+    hit = beside - depth * along
+    return float(np.arctan2(np.hypot(hit.x, hit.y), max(hit.z, 0.0))), float(np.arctan2(hit.y, hit.x))
+
+
 def local(direction: Vector, at: Matrix) -> Floats:
     """A direction of the world in the frame ``at``, of unit length to float64's digits."""
     w = np.array(at.to_3x3().transposed() @ direction, dtype=np.float64)
@@ -133,8 +147,9 @@ def _kept(of: Material, wi: Floats, times: str, term: str, evaluated: Callable[[
 
 
 def has_term(of: Material, term: str) -> bool:
-    """Whether a material of ours has a term, or the whole."""
-    return term == BRDF or bool(lobe.terms(material.origin_of(of).preset.reference()))
+    """Whether a material of ours has a term, or the whole. ValueError if its numbers do not go together."""
+    model = material.origin_of(of).preset.reference()
+    return term == BRDF or bool(lobe.terms(model))
 
 
 def forget() -> None:

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 from math import pi, radians
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Matrix, Vector
 
 from ..blender import lobes, material
-from ..library.errors import InputError
 from ..reference import lobe, spherical
 from .panels import InSidebar
 from .text import lines
@@ -185,7 +184,8 @@ def problem(context: bpy.types.Context) -> str:
     settings, found = context.scene.vgroove_viewer, materials(context)
     if not found:
         return "Apply a preset to the active object to see its lobe"
-    if settings.term != lobes.BRDF and not any(lobes.has_term(one, settings.term) for one in found):
+    have = [lobes.has_term(one, settings.term) for one in found]  # of all: what does not hold is an error
+    if not any(have):
         return f"This model has no facets, so no {settings.term}. Choose f"
     at = frame(context.scene)
     wi = toward_light(context.scene, getattr(context, "region_data", None), at)
@@ -196,13 +196,15 @@ def problem(context: bpy.types.Context) -> str:
     return ""
 
 
-class VGROOVE_OT_pick_point(bpy.types.Operator):
-    """Click a surface to see the lobe there."""
+class _InViewport:
+    """A tool that follows the mouse in a 3D viewport. It ends with a click, or with Esc, which changes nothing."""
 
-    bl_idname = "vgroove.pick_point"
-    bl_label = "Pick Point"
-    bl_description = "Click a surface, and the lobe stands there along its normal. Esc cancels"
     bl_options = {"REGISTER", "UNDO"}
+    cursor = "CROSSHAIR"
+    hint = ""
+    if TYPE_CHECKING:
+        report: Any
+        poll_message_set: Any
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -212,39 +214,78 @@ class VGROOVE_OT_pick_point(bpy.types.Operator):
         return True
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        context.window.cursor_modal_set("EYEDROPPER")
-        context.workspace.status_text_set("Click a surface    Esc: Cancel")
+        context.window.cursor_modal_set(self.cursor)
+        context.workspace.status_text_set(f"{self.hint}    Esc: Cancel")
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if event.type in {"ESC", "RIGHTMOUSE"}:
-            return self._end(context, {"CANCELLED"})
-        if event.type != "LEFTMOUSE" or event.value != "PRESS":
-            return {"RUNNING_MODAL" if event.type == "MOUSEMOVE" else "PASS_THROUGH"}
-        found = self._below(context, event)
-        if found is None:
-            self.report({"WARNING"}, "There is no surface. Click one, or press Esc")
-            return {"RUNNING_MODAL"}
-        stand_at(context.scene, *found)
-        return self._end(context, {"FINISHED"})
-
     @staticmethod
-    def _below(context: bpy.types.Context, event: bpy.types.Event) -> tuple[Vector, Vector] | None:
+    def ray(context: bpy.types.Context, event: bpy.types.Event) -> tuple[Vector, Vector] | None:
+        """Start and direction of the ray below the mouse, in world; None beside the viewport."""
         region = next(one for one in context.area.regions if one.type == "WINDOW")
         data, place = context.area.spaces.active.region_3d, (event.mouse_x - region.x, event.mouse_y - region.y)
         if not (0 <= place[0] < region.width and 0 <= place[1] < region.height):
             return None
-        start = region_2d_to_origin_3d(region, data, place)
-        along = region_2d_to_vector_3d(region, data, place)
-        return lobes.surface_at(context.scene, context.evaluated_depsgraph_get(), start, along)
+        return region_2d_to_origin_3d(region, data, place), region_2d_to_vector_3d(region, data, place)
 
     @staticmethod
-    def _end(context: bpy.types.Context, how: set[str]) -> set[str]:
+    def end(context: bpy.types.Context, how: set[str]) -> set[str]:
         context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
         redraw()
         return how
+
+
+class VGROOVE_OT_pick_point(_InViewport, bpy.types.Operator):
+    """Click a surface to see the lobe there."""
+
+    bl_idname = "vgroove.pick_point"
+    bl_label = "Pick Point"
+    bl_description = "Click a surface, and the lobe stands there along its normal. Esc cancels"
+    cursor = "EYEDROPPER"
+    hint = "Click a surface"
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            return self.end(context, {"CANCELLED"})
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"RUNNING_MODAL" if event.type == "MOUSEMOVE" else "PASS_THROUGH"}
+        ray = self.ray(context, event)
+        found = ray and lobes.surface_at(context.scene, context.evaluated_depsgraph_get(), *ray)
+        if not found:
+            self.report({"WARNING"}, "There is no surface. Click one, or press Esc")
+            return {"RUNNING_MODAL"}
+        stand_at(context.scene, *found)
+        return self.end(context, {"FINISHED"})
+
+
+class VGROOVE_OT_aim_light(_InViewport, bpy.types.Operator):
+    """Move the light's direction with the mouse."""
+
+    bl_idname = "vgroove.aim_light"
+    bl_label = "Aim Light"
+    bl_description = "Move the mouse over the lobe's hemisphere, and the light comes from there. Click to confirm"
+    hint = "Move: Aim    Click: Confirm"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        settings = context.scene.vgroove_viewer
+        self.before = settings.light_from, settings.theta, settings.phi
+        return super().invoke(context, event)
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        settings = context.scene.vgroove_viewer
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            settings.light_from, settings.theta, settings.phi = self.before
+            return self.end(context, {"CANCELLED"})
+        if event.type in {"LEFTMOUSE", "RET"} and event.value == "PRESS":
+            return self.end(context, {"FINISHED"})
+        if event.type != "MOUSEMOVE":
+            return {"PASS_THROUGH"}
+        ray = self.ray(context, event)
+        if ray:
+            settings.light_from, settings.show = "ANGLES", True
+            settings.theta, settings.phi = lobes.aimed(frame(context.scene), settings.size, *ray)
+        return {"RUNNING_MODAL"}
 
 
 def stand_at(scene: bpy.types.Scene, point: Vector, normal: Vector) -> None:
@@ -267,7 +308,7 @@ class VGROOVE_PT_viewer(InSidebar, bpy.types.Panel):
         layout.active = settings.show
         try:
             text = problem(context)
-        except InputError as error:
+        except ValueError as error:  # numbers that do not go together, too
             text = str(error)
         if text:
             lines(layout, text, context.region.width, icon="INFO")
@@ -281,6 +322,7 @@ class VGROOVE_PT_viewer(InSidebar, bpy.types.Panel):
         elif settings.light_from == "ANGLES":
             column.prop(settings, "theta")
             column.prop(settings, "phi")
+        column.operator("vgroove.aim_light", icon="LIGHT_SUN")
         column = layout.column()
         column.row().prop(settings, "term", expand=True)
         row = column.row()
@@ -297,4 +339,4 @@ class VGROOVE_PT_viewer(InSidebar, bpy.types.Panel):
 
 
 assert [name for name, *_ in TIMES] == list(lobe.TIMES)  # noqa: S101
-CLASSES = (VGrooveViewer, VGROOVE_OT_pick_point, VGROOVE_PT_viewer)
+CLASSES = (VGrooveViewer, VGROOVE_OT_pick_point, VGROOVE_OT_aim_light, VGROOVE_PT_viewer)

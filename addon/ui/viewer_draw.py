@@ -16,7 +16,6 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from ..blender import lobes
-from ..library.errors import InputError
 from ..reference import lobe
 from . import viewer, viewer_slice
 
@@ -98,7 +97,7 @@ def shown(
     times = settings.times if settings.term == lobes.BRDF else "one"
     try:
         both = [what(one, wi, times, settings.term) for one in viewer.materials(context)]
-    except InputError:
+    except ValueError:  # numbers that do not go together, too
         return []
     return [(one, color) for one, color in zip(both, COLORS, strict=False) if one is not None]
 

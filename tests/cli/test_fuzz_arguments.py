@@ -53,7 +53,7 @@ def number_options():
 OPTIONS = sorted(number_options())
 NEEDED = {
     "render": ["copper", "-o", "a.png"], "measure": ["copper", "-o", "a.exr"], "explain": ["copper"],
-    "batch": ["job.toml", "-o", "out"],
+    "batch": ["job.toml", "-o", "out"], "plot": ["copper", "-o", "a.svg"],
 }  # fmt: skip
 
 
@@ -254,7 +254,7 @@ anything = st.text(st.characters(exclude_characters="\0"), max_size=12) | st.sam
 
 @FUZZ
 @given(
-    st.sampled_from(["render", "measure", "explain", "batch", "gallery", "report", "presets"]),
+    st.sampled_from(["render", "measure", "explain", "batch", "gallery", "report", "presets", "plot"]),
     st.lists(anything, max_size=5),
 )
 def test_any_words_are_understood_or_refused_in_one_line(line, command, words):

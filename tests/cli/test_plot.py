@@ -35,6 +35,14 @@ def test_a_measured_file_is_drawn_beside_a_preset(line, ending):
     assert (line.folder / f"a{ending}").stat().st_size > 5000
 
 
+@pytest.mark.parametrize("name", ["a\udcff$_{.bin", "_ä\n.bin", "a:m=1.bin", ',".bin'], ids=ascii)
+def test_files_of_any_name_are_plotted(line, name):
+    (line.folder / name).write_bytes(utia_bytes(Lambert(0.5).evaluate))
+    for output in ("a.csv", "a.svg", "a.png"):
+        done = vgroove("plot", name, "-o", output)
+        assert done.code == 0, done.err
+
+
 def test_time_and_set_are_those_of_every_preset(line):
     found = plot.named(["rusting_iron", "rusting_iron:m=0.5"], ["m=0.4"], 1.0)
     assert [one.parameters["m"] for one in found.values()] == [0.4, 0.5]

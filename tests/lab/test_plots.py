@@ -158,6 +158,15 @@ def test_the_colours_of_a_figure_are_as_many_as_brdfs():
         plots.draw("polar", brdfs | {"one more": GREY})
 
 
+@pytest.mark.parametrize("plot", plots.PLOTS)
+def test_any_name_is_shown_letter_by_letter(plot):
+    """Where $ would begin a formula, and Matplotlib leaves names with _ out of legends."""
+    svg = plots.svg(plots.draw(plot, {"_a": GREY, "b$_{$": GREY}))
+    words = "".join(ET.fromstring(svg).itertext())  # noqa: S314 - our own
+    assert "_a" in words
+    assert "b$_{$" in words
+
+
 def test_black_is_drawn_too():
     for plot in plots.PLOTS:
         for log in (False, True):

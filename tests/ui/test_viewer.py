@@ -170,6 +170,22 @@ def test_a_picked_point_has_its_surface_s_normal(stage):
     assert lobes.surface_at(scene, graph, lobes.Vector((9.0, 9.0, 9.0)), down) is None
 
 
+@pytest.mark.parametrize(
+    ("toward", "angles"),
+    [((0.0, 0.0, 1.0), (0.0, None)), ((0.6, 0.0, 0.8), (36.87, 0.0)), ((0.0, -0.6, 0.8), (36.87, -90.0)),
+     ((0.0, 1.2, 0.0), (90.0, 90.0)), ((0.0, 3.0, -1.0), (90.0, 90.0))],
+)  # fmt: skip
+def test_the_light_is_aimed_where_the_mouse_is(blender, toward, angles):
+    """On the ball of Size, which stands turned in the scene; at its edge where the mouse is beside it or below."""
+    at = lobes.frame((1.0, 2.0, 3.0), (0.6, 0.0, 0.8), (0.0, 1.0, 0.0))
+    along = lobes.Vector((-0.1, 0.2, -1.0)).normalized() if toward[2] > 0.0 else lobes.Vector((0.0, 0.0, -1.0))
+    start = 2.0 * lobes.Vector(toward) - 9.0 * along
+    theta, phi = lobes.aimed(at, 2.0, at @ start, at.to_3x3() @ along)
+    assert np.degrees(theta) == pytest.approx(angles[0], abs=0.01)
+    if angles[1] is not None:
+        assert np.degrees(phi) == pytest.approx(angles[1], abs=0.01)
+
+
 @pytest.mark.parametrize("normal", [(0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, -1), (0.6, -0.64, 0.48)])
 def test_frames_are_rotations_whose_z_axis_is_the_normal(blender, normal):
     found = np.array(lobes.frame((1, 2, 3), normal))
@@ -196,6 +212,18 @@ def test_the_panel_says_why_nothing_is_drawn(stage):
     assert "Add a light" in said()
     stage.context.object.active_material = None
     assert "Apply a preset" in said()
+
+
+def test_numbers_that_do_not_go_together_are_told(stage):
+    """As an artist may set them for a moment; nothing is drawn, and no redraw fails."""
+    from vgroove.addon.ui import viewer
+
+    made = material.build(presets.find("plastics/red_plastic"), material.Choice())
+    stage.context.object.active_material = made
+    sockets = material.parameter_sockets(made)
+    sockets["d"].default_value = sockets["s"].default_value = 0.8
+    assert shown(stage, spherical(0.7)) == []
+    assert "d + s must be at most 1" in " ".join(drawn(stage, viewer.VGROOVE_PT_viewer).texts)
 
 
 def test_every_setting_has_a_tooltip_and_draws_nothing_by_itself(extension):

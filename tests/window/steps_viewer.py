@@ -70,9 +70,29 @@ def lobe(hands):
     yield 1.0
     larger = viewport(hands, area, "larger")
     assert blue(larger) > 1.5 * blue(drawn)
+    yield from aims(hands, area)
     yield from follows(hands, area, blue(larger))
     yield from stands_behind(hands, area)
     yield from leaves(hands, area, blue(without))
+
+
+def aims(hands, area):
+    """The light follows the mouse until a click; Esc gives the one before back."""
+    with hands.within(area):
+        bpy.ops.vgroove.aim_light("INVOKE_DEFAULT")
+    top = place(area, (0.0, 0.0, 2.0))  # of the lobe's hemisphere, seen from obliquely above
+    yield from hands.move(*top)
+    yield 0.5
+    assert setting().light_from == "ANGLES"
+    yield from hands.key("ESC")
+    assert setting().light_from == "LIGHT"
+    with hands.within(area):
+        bpy.ops.vgroove.aim_light("INVOKE_DEFAULT")
+    yield from hands.click(top)
+    assert (setting().light_from, setting().theta < 0.1) == ("ANGLES", True), setting().theta
+    setting().light_from = "LIGHT"
+    yield from hands.move(area.x + 60, area.y + 60)
+    yield 0.5
 
 
 def follows(hands, area, before):
