@@ -8,10 +8,25 @@
 0.159155
 """
 
+from ..models.measured import READERS
 from .csv_file import write_csv
+from .library import open_table
 from .merl import Merl, tabulate, write_merl
 from .reading import read
 from .summary import Summary, summarize
 from .table import Contents, Table
 
-__all__ = ["Contents", "Merl", "Summary", "Table", "read", "summarize", "tabulate", "write_csv", "write_merl"]
+READERS[:] = [open_table]
+
+__all__ = [
+    "Contents",
+    "Merl",
+    "Summary",
+    "Table",
+    "open_table",
+    "read",
+    "summarize",
+    "tabulate",
+    "write_csv",
+    "write_merl",
+]
