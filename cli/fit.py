@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 from enum import StrEnum
 from pathlib import Path  # noqa: TC003 (typer reads annotations)
@@ -14,9 +13,12 @@ from rich.table import Table
 
 from ..addon.library.errors import InputError
 from ..addon.library.files import FileError, check_writable, write_text
+from ..addon.library.preset import Preset
 from ..addon.measured.fit import ANGLES, METRICS, fits
+from ..addon.measured.library import digest_of, open_table
 from ..addon.measured.lobes import KINDS
-from ..addon.models import DEFAULT
+from ..addon.models import DEFAULT, MeasuredTable
+from ..addon.models import measured as measured_model
 from .info import FileArgument  # noqa: TC001 (typer reads annotations)
 from .options import whole
 from .terminal import one_line, out, say
@@ -24,17 +26,18 @@ from .terminal import one_line, out, say
 if TYPE_CHECKING:
     from ..addon.measured.fit import Fit
 
-LONGEST_NAME = 60 - len(" (fit)")
+FITTED = " (fit)"
+LONGEST_NAME = 60 - len(FITTED)
 
 if TYPE_CHECKING:
     Metric: TypeAlias = StrEnum
     Model: TypeAlias = StrEnum
 else:
     Metric = StrEnum("Metric", {name.upper(): name for name in METRICS})
-    Model = StrEnum("Model", {name.upper(): name for name in KINDS})
+    Model = StrEnum("Model", {name.upper(): name for name in (*KINDS, measured_model.MODEL.name)})
 L1, PLAIN = Metric("l1"), Model(DEFAULT)
 
-MODEL_HELP = "cook_torrance: lobes over Oren-Nayar, model car_paint; generator: ABC facets over Lambert"
+MODEL_HELP = "cook_torrance: lobes over Oren-Nayar; generator: ABC facets over Lambert; measured: the table as it is"
 METRIC_HELP = "; ".join(f"{name}: {text}" for name, text in METRICS.items())
 
 
@@ -54,16 +57,19 @@ def fit(
     if output.suffix.lower() != ".toml":
         message = f"{output}: presets are TOML files; name one that ends in .toml"
         raise InputError(message)
-    if lobes > KINDS[model].most:
+    if model in KINDS and lobes > KINDS[model].most:
         message = f"--lobes: {model} has at most {KINDS[model].most}, got {lobes}"
         raise InputError(message)
     check_writable(output)
     start = time.perf_counter()
     table = measured.read(file)
     stem = "".join(c for c in one_line(file.stem) if c.isprintable()).strip() or "Measured"
-    name = f"{stem[:LONGEST_NAME]} (fit)"
-    digest = hashlib.sha256(file.read_bytes()).hexdigest()[:16]
-    data = f"{one_line(file.name)}, {table.contents.format}, sha256 {digest}"
+    digest = digest_of(file)
+    data = f"{one_line(file.name)}, {table.contents.format}, sha256 {digest[:16]}"
+    if model == measured_model.MODEL.name:
+        _write_table(output, file, digest, stem[: LONGEST_NAME + len(FITTED)], data)
+        return
+    name = f"{stem[:LONGEST_NAME]}{FITTED}"
     try:
         found = list(fits(table, name, data, lobes, model, metric))
     except FileError as error:
@@ -78,6 +84,20 @@ def fit(
     says = f"{lobes} lobes are {nearer:.2f} times nearer than one; " if lobes > 1 else ""
     say(f"{says}metric {metric}: {METRICS[metric]}; {time.perf_counter() - start:.1f} s")
     say(f"wrote {output}")
+
+
+def _write_table(output: Path, file: Path, digest: str, name: str, data: str) -> None:
+    """The preset that names the table, without a folder if both lie in one."""
+    from ..addon.library import writing
+
+    together = file.absolute().parent == output.absolute().parent
+    table = MeasuredTable(file.name if together else str(file.absolute()), digest)
+    open_table(MeasuredTable(str(file), digest))  # refuses what cannot be one
+    source = {"data": data, "colour": "measured", "roughness": "measured"}
+    of = measured_model.MODEL
+    preset = Preset("mine/table", name, of.name, next(iter(of.kinds)), {}, source, ("measured",), table=table)
+    write_text(output, writing.dumps(preset))
+    say(f"wrote {output}, which names {table.file}; keep both")
 
 
 def _residuals(found: list[Fit]) -> Table:

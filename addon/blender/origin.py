@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ..library import distribution
 from ..library.presets import Preset, all_presets
 from ..library.timeline import Timeline
-from ..models import MODELS
+from ..models import MODELS, MeasuredTable
 from ..reference.hybrid import DEFAULT_BOUND
 from . import roles
 from .course import Play
@@ -56,6 +56,7 @@ class Record:
         """The same text for records that build the same material."""
         of = self.preset
         preset = [of.id, of.name, of.model, of.kind, of.flags, of.parameters, *map(asdict, of.distribution)]
+        preset += [asdict(of.table)] if of.table else []
         course = [asdict(self.play), of.time and asdict(of.time)] if self.play else None
         bound = self.bound if self.estimator == "hybrid" else None
         more = [self.disperses, self.bounces]
@@ -83,6 +84,7 @@ def _read(text: str, state: str, course: str, label: str) -> Record | None:
         preset |= {"parameters": _values(preset["parameters"]), "verified": _values(preset["verified"])}
         preset |= {key: tuple(preset[key]) for key in ("tags", "flags")}
         preset |= {"distribution": distribution.of_record(preset.get("distribution", ()))}  # older ones had none
+        preset |= {"table": MeasuredTable(**preset["table"]) if preset.get("table") else None}
         preset |= {"m_range": preset["m_range"] and tuple(preset["m_range"])}
         preset["time"] = preset["time"] and Timeline(**preset["time"])
         play = kept["play"] and Play(**kept["play"])

@@ -22,9 +22,10 @@ change over time have their laws in a table [time]: see ``timeline``.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
-from ..models import DEFAULT, MODELS, PARAMETERS, fresnel
+from ..models import DEFAULT, MODELS, PARAMETERS, MeasuredTable, fresnel
 from . import distribution, timeline
 from .checks import PresetError, as_in_range, as_number, as_typed, check_key
 from .errors import InputError
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 LONGEST_NAME = 60  # characters (Blender keeps 63 bytes of a name)
 TOP_KEYS = {"name": str, "model": str, "kind": str, "fresnel": dict, "source": dict, "tags": list, "notes": str}
-TOP_KEYS |= {"m_range": list, "verified": dict, "time": dict}
+TOP_KEYS |= {"m_range": list, "verified": dict, "time": dict, "table": dict}
 SOURCE_KEYS = ("data", "licence", "trust", "colour", "roughness")
 EVIDENCE = ("measured", "computed", "quoted", "by eye")  # how colour and roughness are known
 EXAMPLES = {
@@ -45,6 +46,7 @@ EXAMPLES = {
     "fresnel": "a table [fresnel] with f0, f0 and f82_tint, eta, or n and k",
     "lobes": "a table [[lobes]] for each lobe",
     "distribution": "a table [[distribution]] with beckmann, ggx, exponential, abc or points",
+    "table": 'a table [table] with file = "chrome.binary" and the sha256 of its content',
     "source": 'a table [source] with data = "author, year, page"',
 }
 
@@ -79,6 +81,7 @@ def parse(text: str, identity: str, where: str) -> Preset:
         verified=_verified(where, data.get("verified", {})),
         time=timeline.parse(where, data["time"], parameters) if "time" in data else None,
         distribution=distribution.parse(where, data["distribution"]) if model.distribution else (),
+        table=_table(where, data["table"]) if model.table else None,
         flags=tuple(flag for flag in model.flags if as_typed(where, flag, data.get(flag, False), bool)),
     )
     check_form(where, preset)
@@ -88,11 +91,15 @@ def parse(text: str, identity: str, where: str) -> Preset:
 def _check_keys(where: str, data: dict[str, Any], model: Model) -> None:
     """PresetError for a key that the model does not know, of another type, or missing."""
     lobes = ["lobes"] * bool(model.lobes) + ["distribution"] * bool(model.distribution)
+    if "table" in data and model.table is None:
+        message = f"{where}: model {model.name} takes no [table]; leave it out"
+        raise PresetError(message)
     for key, value in data.items():
         check_key(where, key, [*TOP_KEYS, *(one.name for one in model.parameters), *model.flags, *lobes])
         if key in TOP_KEYS:
             as_typed(where, key, value, TOP_KEYS[key])
     needed = [one.name for one in model.parameters if not one.optional] + ["fresnel"] * model.has_fresnel + lobes
+    needed += ["table"] * (model.table is not None)
     for key in ("name", "model", *needed, "source"):
         if key not in data:
             example = EXAMPLES[key] if key in EXAMPLES else PARAMETERS[key].example
@@ -167,6 +174,18 @@ def _source(where: str, table: dict[str, Any]) -> dict[str, str]:
         message = f'{where}: [source] has no "data"; say where the numbers come from'
         raise PresetError(message)
     return dict(table)
+
+
+def _table(where: str, table: dict[str, Any]) -> MeasuredTable:
+    """The file of a measured table, as it is written there."""
+    for key, value in table.items():
+        check_key(f"{where}: [table]", key, ("file", "sha256"))
+        as_typed(where, key, value, str)
+    of = MeasuredTable(table.get("file", ""), table.get("sha256", "").lower())
+    if of.file and not re.fullmatch("[0-9a-f]{64}", of.sha256):
+        message = f"{where}: [table] must hold sha256 = the 64 digits of the file's SHA-256, got {shown(of.sha256)}"
+        raise PresetError(message)
+    return of
 
 
 def _m_range(where: str, values: list[Any], parameters: dict[str, Any]) -> tuple[float, float]:

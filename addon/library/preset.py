@@ -11,7 +11,7 @@ from . import timeline
 from .checks import PresetError, as_number, check_key
 
 if TYPE_CHECKING:
-    from ..models import Model, Number
+    from ..models import MeasuredTable, Model, Number
     from ..reference import Fresnel
     from ..reference.facet_distribution import Term
     from ..reference.trajectory import Trajectory
@@ -23,9 +23,9 @@ class Preset:
 
     ``kind`` is the form of the model, one of its spec's ``kinds``: where it has a Fresnel term, that of the term.
     ``flags``: those of the model's flags that are true. ``distribution``: of
-    its facets, where its model needs one. ``m_range``: slopes that suit the material. ``verified``: its
-    reflectance head-on, "f0", by the reference. ``time``: how its numbers change, where they do; ``parameters`` are
-    those at the start.
+    its facets, ``table``: what was measured, where its model needs one. ``m_range``: slopes that suit the material.
+    ``verified``: its reflectance head-on, "f0", by the reference. ``time``: how its numbers change, where they do;
+    ``parameters`` are those at the start.
     """
 
     id: str
@@ -41,6 +41,7 @@ class Preset:
     m_range: tuple[float, float] | None = None
     verified: dict[str, Number] = field(default_factory=dict)
     time: timeline.Timeline | None = None
+    table: MeasuredTable | None = None
 
     @property
     def family(self) -> str:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import os
 import re
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -53,7 +54,10 @@ def _read(path: Path, family: str) -> Preset:
     except FileError as error:
         message = f"{where}: cannot be read: {error}"
         raise PresetError(message) from error
-    return parse(text, identity, where)
+    preset = parse(text, identity, where)
+    if preset.table is None or not preset.table.file or Path(preset.table.file).is_absolute():
+        return preset
+    return replace(preset, table=replace(preset.table, file=str(path.absolute().parent / preset.table.file)))
 
 
 def load_folder(folder: Path) -> dict[str, Preset]:

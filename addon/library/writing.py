@@ -56,6 +56,8 @@ def dumps(preset: Preset) -> str:
         tables["lobes"] = [{key: numbers.pop(f"{key}_{k}") for key in keys} for k in range(1, count + 1)]
     if preset.distribution:
         tables["distribution"] = distribution.tables(preset.distribution)
+    if preset.table is not None:
+        tables["table"] = {"file": preset.table.file, "sha256": preset.table.sha256}
     values |= {flag: flag in preset.flags for flag in spec.flags}
     optional = {"tags": preset.tags, "notes": preset.notes, "m_range": preset.m_range}
     values |= {key: of for key, of in optional.items() if of} | numbers

@@ -8,7 +8,9 @@
 0.159155
 """
 
+from ..models.measured import READERS
 from .csv_file import write_csv
+from .library import open_table
 from .merl import Merl, tabulate, write_merl
 from .reading import ENDINGS, read
 from .summary import Summary, summarize
@@ -16,10 +18,14 @@ from .table import Contents, Table
 
 __all__ = [
     "ENDINGS",
+READERS[:] = [open_table]
+
+__all__ = [
     "Contents",
     "Merl",
     "Summary",
     "Table",
+    "open_table",
     "read",
     "summarize",
     "tabulate",

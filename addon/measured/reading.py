@@ -34,7 +34,8 @@ def read(path: str | PathLike[str]) -> Table:
         raise FileError(message) from error
 
 
-def _content(path: Path) -> bytes:
+def check_size(path: Path) -> int:
+    """Bytes of a regular file, 0 if that cannot be told; FileError for one that is too large."""
     try:
         check_regular(path)
         size = path.stat().st_size
@@ -45,7 +46,11 @@ def _content(path: Path) -> bytes:
     if size > MOST_BYTES:
         message = f"has {size} bytes; measured BRDFs are read up to {MOST_BYTES}: leave out wavelengths or directions"
         raise FileError(message)
-    return read_bytes(path, size)  # which reserves what it may read
+    return size
+
+
+def _content(path: Path) -> bytes:
+    return read_bytes(path, check_size(path))  # which reserves what it may read
 
 
 def _parsed(content: bytes, ending: str) -> Table:

@@ -70,18 +70,18 @@ def _drawn() -> tuple[Floats, Floats]:
 
 
 @cache
-def _half_vectors() -> tuple[Floats, Floats]:
+def _half_vectors(nodes: tuple[int, int]) -> tuple[Floats, Floats]:
     """Half vectors and their solid angles: Gauss-Legendre in sqrt(theta_h), for narrow lobes, and even azimuths."""
-    x, weight = np.polynomial.legendre.leggauss(NODES[0])
+    x, weight = np.polynomial.legendre.leggauss(nodes[0])
     s = (x + 1.0) / 2.0
-    theta, phi = s**2 * np.pi / 2, (np.arange(NODES[1]) + 0.5) * 2.0 * np.pi / NODES[1]
-    ring = weight / 2.0 * np.pi * s * np.sin(theta) * 2.0 * np.pi / NODES[1]
-    return spherical(theta[:, None], phi).reshape(-1, 3), np.repeat(ring, NODES[1])
+    theta, phi = s**2 * np.pi / 2, (np.arange(nodes[1]) + 0.5) * 2.0 * np.pi / nodes[1]
+    ring = weight / 2.0 * np.pi * s * np.sin(theta) * 2.0 * np.pi / nodes[1]
+    return spherical(theta[:, None], phi).reshape(-1, 3), np.repeat(ring, nodes[1])
 
 
-def reflected(wi: Floats) -> tuple[Floats, Floats]:
+def reflected(wi: Floats, nodes: tuple[int, int] = NODES) -> tuple[Floats, Floats]:
     """Mirrored directions wo (n, 3) above the horizon, and cos times solid angle: d wo = 4 (wi . h) dh."""
-    h, solid = _half_vectors()
+    h, solid = _half_vectors(nodes)
     cosine = dot(wi, h)
     wo = 2.0 * cosine[:, None] * h - wi
     up = (cosine > 0) & (wo[:, 2] > 0)

@@ -10,11 +10,11 @@ from importlib import import_module
 from pathlib import Path
 
 from . import estimators, fresnel
-from .spec import PLAIN, Form, Model, Number, Parameter, Scale
+from .spec import PLAIN, Form, MeasuredTable, Model, Number, Parameter, Scale
 
 __all__ = [
-    "DEFAULT", "MODELS", "PARAMETERS", "PLAIN", "Form", "Model", "Number", "Parameter", "Scale", "base_name",
-    "estimators", "fresnel", "label", "lobe_of", "parameter", "symbol",
+    "DEFAULT", "MODELS", "PARAMETERS", "PLAIN", "Form", "MeasuredTable", "Model", "Number", "Parameter", "Scale",
+    "base_name", "estimators", "fresnel", "label", "lobe_of", "parameter", "symbol",
 ]  # fmt: skip
 
 DEFAULT = "cook_torrance"  # of a file that names no model

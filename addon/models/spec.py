@@ -68,10 +68,18 @@ class Parameter:
         return max(value, self.low) if self.zero_is_smooth and isinstance(value, float) else value
 
 
+@dataclass(frozen=True)
+class MeasuredTable:
+    """A file with a measured BRDF, and the SHA-256 of its content; "" and "" for the example that needs no file."""
+
+    file: str
+    sha256: str
+
+
 class Form(Protocol):
     """The form of a preset, which models decide by: kind, flags that are true, numbers by name (of lobe k as m_k).
 
-    distribution: of its facets, where its model needs one.
+    distribution: of its facets, and table, what was measured, where its model needs one.
     """
 
     @property
@@ -84,6 +92,8 @@ class Form(Protocol):
     def parameters(self) -> Mapping[str, Any]: ...
     @property
     def distribution(self) -> tuple[Term, ...]: ...
+    @property
+    def table(self) -> MeasuredTable | None: ...
 
 
 @dataclass(frozen=True)
@@ -97,6 +107,7 @@ class Model:
     sheets: kinds that are a thin sheet, without an inside.
     flags: what is true or false of a preset; false where the file does not say.
     distribution: of a model whose presets have tables [[distribution]], one for example; () of others.
+    table: of a model whose presets name a file in [table], one for example; None of others.
     parts: name and model of what it is made of. labels: of inputs that are called otherwise here.
     lobes: parameters of one lobe, ``lobe_model`` of it, at most so many.
     estimators: those it has, of ``estimators.ESTIMATORS``.
@@ -123,6 +134,7 @@ class Model:
     has_fresnel: bool = False
     flags: tuple[str, ...] = ()
     distribution: tuple[Term, ...] = ()
+    table: MeasuredTable | None = None
     parts: tuple[tuple[str, str], ...] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
     lobes: tuple[Parameter, ...] = ()

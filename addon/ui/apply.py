@@ -110,7 +110,7 @@ def _is_of(item: bpy.types.Object, preset: presets.Preset) -> bool:
     if made is None or not material.is_ours(made) or material.locked(made):
         return False
     known = material.preset_of(made)
-    wanted = {"id", "name", "model", "kind", "flags", "distribution", "parameters"}
+    wanted = {"id", "name", "model", "kind", "flags", "distribution", "parameters", "table"}
     return any(
         all(getattr(known, name) == getattr(one, name) for name in wanted)
         for one in (preset, textures.taking_colour(preset))

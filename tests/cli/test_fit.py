@@ -33,6 +33,16 @@ def test_it_writes_a_preset_that_says_where_it_comes_from(file):
         assert word in preset.source["trust"]
 
 
+def test_the_table_itself_is_a_preset(file):
+    """It names the file beside it, and finds it there."""
+    done = patient("fit", "Rot 1.binary", "--model", "measured", "-o", "red.toml")
+    assert done.code == 0, done.err
+    assert 'file = "Rot 1.binary"' in (file.folder / "red.toml").read_text(encoding="utf-8")
+    of = load(file.folder / "red.toml")
+    assert of.table.file == str(file.folder / "Rot 1.binary")
+    assert of.reference().albedo.shape == (3,)
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -42,6 +52,7 @@ def test_it_writes_a_preset_that_says_where_it_comes_from(file):
         (["Rot 1.binary", "-o", "red.toml", "--lobes", 4, "--model", "generator"], "at most 3"),
         (["none.binary", "-o", "red.toml"], "none.binary"),
         (["a.bin", "-o", "red.toml"], "a.bin: is anisotropic"),
+        (["a.bin", "-o", "red.toml", "--model", "measured"], "a.bin: is anisotropic"),
     ],
 )
 def test_wrong_input_ends_with_one_line(file, arguments, says):

@@ -37,6 +37,7 @@ def examples():
                     {"data": "test"},
                     flags=flags,
                     distribution=model.distribution,
+                    table=model.table,
                 )
                 if not model.flaw(preset):
                     yield preset

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Estimator ``closure``: Lambert and a Beckmann lobe of the table's width and albedo, by Cycles' own closures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from . import shading_normal
+from ._tree import output
+
+if TYPE_CHECKING:
+    from ..addon.measured.model import Measured
+    from ._tree import Tree
+
+NAME = "VGroove Measured Closure"
+REVISION = 1
+
+
+def build(tree: Tree, of: Measured, kind: str) -> None:  # noqa: ARG001 (as of the others)
+    normal = shading_normal.interface(tree)
+    albedo, color, m = of.closure
+    diffuse = tree.node("ShaderNodeBsdfDiffuse", Roughness=0.0, Normal=normal)
+    lobe = tree.node("ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Roughness=m**0.5, Normal=normal)
+    for node, rgb in ((diffuse, albedo), (lobe, color)):
+        node.inputs["Color"].default_value = (*rgb, 1.0)
+    shaders = [output(one, "BSDF") for one in (diffuse, lobe)]
+    tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
+
+
+build_osl = build
