@@ -104,9 +104,8 @@ class Browser:
         )
         self.call("Page.navigate", url="about:blank")
         self.call("Page.navigate", url=copy.absolute().as_uri() + fragment)
-        return self.run(
-            f"if (document.readyState !== 'complete') await new Promise((r) => addEventListener('load', r)); return {DRAWN}"
-        )
+        self.run("if (document.readyState !== 'complete') await new Promise((r) => addEventListener('load', r))")
+        return self.run(f"return {DRAWN}")
 
     def run(self, script):
         """What the body of an async function returns in the page."""
