@@ -15,7 +15,7 @@ from vgroove.addon.library import presets
 from vgroove.addon.reference import albedo, spherical
 from vgroove.viewer import page
 
-_spec = importlib.util.spec_from_file_location("browser", Path(__file__).with_name("browser.py"))
+_spec = importlib.util.spec_from_file_location("browser", Path(__file__).parents[2] / "tools" / "browser.py")
 browser = sys.modules["browser"] = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(browser)
 
