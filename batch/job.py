@@ -42,8 +42,8 @@ LONGEST_FILE = 1_000_000  # bytes
 # The keys of a table, and their defaults
 DEFAULTS: dict[str, Any] = {
     "scene": PREVIEW, "object": "", "preset": [], "assign": {}, "set": {}, "time": [], "frames": "",
-    "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "dispersion": False, "samples": [], "error": [],
-    "seed": 0, "resolution": [], "output": "exr",
+    "backend": "nodes", "estimator": "auto", "bound": DEFAULT_BOUND, "dispersion": False, "multiple_scattering": False,
+    "samples": [], "error": [], "seed": 0, "resolution": [], "output": "exr",
 }  # fmt: skip
 TOP = ("render",)
 
@@ -70,6 +70,7 @@ class Task:
     estimator: str
     bound: float
     dispersion: bool
+    multiple_scattering: bool
     samples: int | None
     error: float | None
     seed: int
@@ -83,7 +84,9 @@ class Task:
             [name, of.model, of.kind, of.flags, sorted(of.parameters.items()), *map(asdict, of.distribution)]
             for name, of in sorted(self.assignments)
         ]
-        return {
+        bounces = self.multiple_scattering and any(of.can_bounce for _, of in self.assignments)
+        more = {"multiple_scattering": True} if bounces else {}  # tasks without it keep their names
+        return more | {
             "scene": self.digest or PREVIEW, "materials": materials, "backend": self.backend,
             "frame": self.frame if self.digest else None,  # nothing else moves in the preview scene
             "estimator": self.estimator, "bound": self.bound if self.estimator in {"auto", "hybrid"} else None,
@@ -208,7 +211,10 @@ class _Grid:
             "backend": self.choices("backend", BACKENDS),
             "estimator": self.choices("estimator", ESTIMATORS),
             "bound": [self.number("bound", one, *BOUNDS) for one in self.values("bound")],
-            "dispersion": [as_typed(where, "dispersion", one, bool) for one in self.values("dispersion")],
+            **{
+                name: [as_typed(where, name, one, bool) for one in self.values(name)]
+                for name in ("dispersion", "multiple_scattering")
+            },
             "samples": [self.whole("samples", one, 1, MOST_SAMPLES) for one in self.values("samples")] or [None],
             "error": [self.number("error", one, *ERRORS) for one in self.values("error")] or [None],
             "seed": [self.whole("seed", one, 0, MOST_SEED) for one in self.values("seed")],
@@ -264,7 +270,8 @@ class _Grid:
             labels = tuple((name.removeprefix("set."), _text(at[name])) for name in varied if at[name] is not None)
             yield Task(
                 path, digest, tuple(assignments), at["frame"], at["backend"], at["estimator"], at["bound"],
-                at["dispersion"], at["samples"], at["error"], at["seed"], at["resolution"], self.outputs, labels,
+                at["dispersion"], at["multiple_scattering"], at["samples"], at["error"], at["seed"], at["resolution"],
+                self.outputs, labels,
             )  # fmt: skip
 
     def changed(self, preset: Preset, changes: dict[str, Any]) -> Preset:

@@ -86,7 +86,7 @@ class Renderer:
         shown.frame_set(frame if task.frame is None else task.frame)
         said = assignment.assign(
             shown, sorted(task.assignments), task.backend, task.estimator, task.bound, disperses=task.dispersion,
-            into=self._materials,
+            bounces=task.multiple_scattering, into=self._materials,
         )  # fmt: skip
         began = time.perf_counter()
         size = task.resolution or resolution

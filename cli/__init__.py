@@ -13,7 +13,7 @@ import typer
 from typer.exceptions import TyperException
 
 from ..addon.library.errors import InputError
-from . import batch, check, explain, gallery, info, measure, presets, render, report, view
+from . import batch, check, explain, fit, gallery, info, measure, plot, presets, render, report, view
 from .terminal import fail
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ app.command("presets")(presets.list_presets)
 app.command("render")(render.render)
 app.command("measure")(measure.measure)
 app.command("info")(info.info)
+app.command("plot")(plot.plot)
+app.command("fit")(fit.fit)
 app.command("explain")(explain.explain)
 app.command("batch")(batch.batch)
 app.command("gallery")(gallery.gallery)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``vgroove measure``: a preset's BRDF as Cycles renders it, in an EXR file."""
+"""``vgroove measure``: a preset's BRDF as Cycles renders it, in an EXR file, or as a MERL table."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import json
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,13 +16,13 @@ from ..addon.library.errors import InputError
 from ..addon.library.files import check_writable, replacing
 from ..addon.reference.hybrid import DEFAULT_BOUND
 from .environment import start_blender, versions
+from .measure_merl import measure_merl
 from .options import (
     AUTO,
     Backend,
     BackendOption,
     BoundOption,
     Estimator,
-    PresetArgument,
     SamplesOption,
     SeedOption,
     SetOption,
@@ -36,8 +36,19 @@ from .terminal import say
 if TYPE_CHECKING:
     from ..addon.library.presets import Preset
 
+WhatArgument = Annotated[
+    str, typer.Argument(metavar="PRESET", help="A preset's id, or the end of one: copper; with --material a .blend")
+]
 OutputOption = Annotated[
-    Path, typer.Option("-o", "--output", metavar="FILE.exr", help="float32 EXR, channels R G B, f in 1/sr")
+    Path,
+    typer.Option(
+        "-o", "--output", metavar="FILE", help="float32 EXR, channels R G B, f in 1/sr; with --merl a .binary"
+    ),
+]
+MerlOption = Annotated[bool, typer.Option("--merl", help="All 90 x 90 x 180 entries of a MERL table; isotropic only")]
+MaterialOption = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="With --merl: any material of the file SCENE.blend in place of PRESET"),
 ]
 ThetaOption = Annotated[
     float | None, typer.Option(parser=real(0.0, 89.99), metavar="DEG", help="Angle between the sun and the normal")
@@ -66,9 +77,11 @@ EstimatorOption = Annotated[
 
 
 def measure(
-    name: PresetArgument,
+    name: WhatArgument,
     output: OutputOption,
     *,
+    merl: MerlOption = False,
+    material: MaterialOption = None,
     settings: SetOption = None,
     theta_i: ThetaOption = None,
     phi_i: PhiOption = 0.0,
@@ -83,7 +96,18 @@ def measure(
     estimator: EstimatorOption = AUTO,
     bound: BoundOption = DEFAULT_BOUND,
 ) -> None:
-    """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer."""
+    """Measure a preset's BRDF in Cycles with the virtual gonioreflectometer; with --merl any material's."""
+    _check_form(merl=merl, one_direction=theta_i is not None or furnace or phi_i or sun_angle or window, of=material)
+    if merl:
+        how: dict[str, Any] = {
+            "estimator": estimator,
+            "backend": str(backend),
+            "samples": samples,
+            "seed": seed,
+            "bound": bound,
+        }
+        measure_merl(name, output, material=material, settings=settings, at_time=at_time, **how)
+        return
     preset = apply_settings(presets.find(name), settings, at_time)
     size = parse_resolution(resolution)
     _check_light(theta_i, phi_i, sun_angle, window, furnace=furnace)
@@ -111,6 +135,16 @@ def measure(
     with replacing(output) as temporary:
         images.write(temporary, image, {f"vgroove:{key}": value for key, value in attributes.items()})
     say(f"wrote {output}")
+
+
+def _check_form(*, merl: bool, one_direction: object, of: str | None) -> None:
+    """InputError for options that do not go with a table, or only with one."""
+    if merl and one_direction:
+        message = "--merl measures all directions; leave --theta-i, --phi-i, --sun-angle, --furnace and --window out"
+        raise InputError(message)
+    if of is not None and not merl:
+        message = "--material goes with --merl; other measurements take a preset"
+        raise InputError(message)
 
 
 def _check_light(theta_i: float | None, phi_i: float, sun_angle: float, window: float, *, furnace: bool) -> None:

@@ -69,6 +69,10 @@ EstimatorOption = Annotated[
 DispersionOption = Annotated[
     bool, typer.Option("--dispersion", help="Clear materials spread colors by their Abbe number (Blender 5.3)")
 ]
+ScatteringOption = Annotated[
+    bool,
+    typer.Option("--multiple-scattering", help="Metals show light that bounces within their grooves (not in direct)"),
+]
 FramesOption = Annotated[
     str | None,
     typer.Option(
@@ -125,6 +129,7 @@ def render(
     estimator: EstimatorOption = AUTO,
     bound: BoundOption = DEFAULT_BOUND,
     dispersion: DispersionOption = False,
+    multiple_scattering: ScatteringOption = False,
     at_time: TimeOption = None,
     frames: FramesOption = None,
     driving: DrivingOption = Driving.CURVES,
@@ -157,8 +162,9 @@ def render(
     with lamps.read_once():
         with headless.quiet():
             advice = assignment.assign(
-                stage, assigned, str(backend), str(estimator), bound, play, disperses=dispersion, where="--assign "
-            )
+                stage, assigned, str(backend), str(estimator), bound, play, disperses=dispersion,
+                bounces=multiple_scattering, where="--assign ",
+            )  # fmt: skip
         for text in advice:
             say(f"warning: {text}")
         if not span:
@@ -168,8 +174,8 @@ def render(
             return
     identity = [
         what, digest_of(Path(what)) if is_scene else "", [(name, asdict(preset)) for name, preset in assigned],
-        play and asdict(play), str(backend), str(estimator), bound, dispersion, stage.cycles.samples, seed, size,
-        shutter, versions(),
+        play and asdict(play), str(backend), str(estimator), bound, dispersion, multiple_scattering,
+        stage.cycles.samples, seed, size, shutter, versions(),
     ]  # fmt: skip
     _render_frames(stage, span, output, identity, movie, shutter=shutter, **pixels)
     _write_extras(output, span, assigned, strip, movie, fps)

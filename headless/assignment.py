@@ -33,6 +33,7 @@ def assign(
     play: Play | None = None,
     *,
     disperses: bool = False,
+    bounces: bool = False,
     into: dict[str, Material] | None = None,
     where: str = "",
 ) -> list[str]:
@@ -55,8 +56,9 @@ def assign(
         chosen = pick_estimator(known, preset) if estimator == "auto" else estimator
         bound_lights = known.to_bind(chosen, preset.model)
         choice = Choice(
-            backend, chosen, bound_lights, bound=bound, disperses=disperses, play=play if preset.time else None
-        )
+            backend, chosen, bound_lights, bound=bound, disperses=disperses, bounces=bounces,
+            play=play if preset.time else None,
+        )  # fmt: skip
         if into is not None and made is None:  # of its own, though there be another like it
             made = into[name] = bpy.data.materials.new(preset.name)
         give(build(preset, choice, made), item, index, alone=True)

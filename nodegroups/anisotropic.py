@@ -66,6 +66,14 @@ class Inputs(cook_torrance.Inputs):
         axes = scale(self.T, 1.0 / self.aspect), scale(cross(N, self.T), self.aspect)
         return visible_facet(tree, N, wo, self.m, axes=axes)
 
+    def round_from_here(self, tree: Tree, N: Value) -> cook_torrance.Inputs:
+        """The isotropic surface that sends back nearly as much to the viewer."""
+        wo = tree.geometry("Incoming")
+        with tree.frame("The round slope that looks like this one"):
+            x, y, z = dot(self.T, wo) / self.aspect, dot(cross(N, self.T), wo) * self.aspect, dot(N, wo)
+            m = self.m * sqrt(x * x + y * y + z * z)
+        return cook_torrance.Inputs(self.fresnel, m, self.normal)
+
     def for_script(self, tree: Tree) -> dict[str, Value]:
         N = specular_normal(tree, self.normal)
         unturned = tangent.tangent(tree, self.tangent, N, 0.0, radial=self.radial)
@@ -98,11 +106,8 @@ def seen(tree: Tree, kind: str, names: Mapping[str, str], *, radial: bool) -> tu
     of = cook_torrance.inherited_inputs(tree, kind, names)
     more = existing_input(tree, ANISOTROPY, names), existing_input(tree, ROTATION, names), tree.input_named("Tangent")
     inputs = Inputs(of.fresnel, of.m, of.normal, *more, radial)
-    N, wo = specular_normal(tree, inputs.normal), tree.geometry("Incoming")
-    with tree.frame("The round slope that looks like this one"):
-        x, y, z = dot(inputs.T, wo) / inputs.aspect, dot(cross(N, inputs.T), wo) * inputs.aspect, dot(N, wo)
-        m = inputs.m * sqrt(x * x + y * y + z * z)
-    return cook_torrance.Inputs(of.fresnel, m, of.normal), N
+    N = specular_normal(tree, inputs.normal)
+    return inputs.round_from_here(tree, N), N
 
 
 def variant(form: Form) -> tuple[str, dict[str, Any]]:

@@ -8,6 +8,7 @@ the viewer, and each lobe's slopes and lean are stretched. In units of m, so tha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..addon.reference.anisotropic_fit import EXCESS, ROUGH
@@ -18,12 +19,36 @@ from ._tree import Tree, Value, cross, dot, maximum, minimum, scale, sqrt
 from .shading_normal import raised, specular_normal
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bpy.types import NodeSocket
 
 NAME = "VGroove Anisotropic Fit"
 REVISION = 1
-LOOK_UP_NAME = ".VGroove Anisotropic Fit Lobes"
 LEAST = 1e-5  # along B, for axes that are B itself, of which rounding leaves nothing
+
+
+@dataclass(frozen=True)
+class Table:
+    """The mixture of a round surface, which is stretched.
+
+    look_up: (m, N) -> weights of the lobes, roughness of the first, which is upright; roughness, anisotropy and tilt of
+    each other one. gains: whether it would send back more light than arrives where slopes are wide.
+    """
+
+    name: str  # of its groups begins so
+    revision: int
+    look_up: Callable[[Tree, Value, Value], tuple[Value, Value, list[Value]]]
+    gains: bool = False
+
+
+def _look_up(tree: Tree, m: Value, N: Value) -> tuple[Value, Value, list[Value]]:
+    node = tree.group(ensure(fit.LOOK_UP_NAME, fit.REVISION, fit.build_look_up), m=m, N=N)
+    weight, first, *others = (Value(tree, socket) for socket in node.outputs)
+    return weight, first, others
+
+
+VGROOVE = Table(".VGroove Anisotropic Fit", REVISION, _look_up, gains=True)
 
 
 def build(tree: Tree, kind: str, *, radial: bool) -> None:
@@ -55,30 +80,34 @@ class Lobe(fit.Lobe):
     tangent: Value
 
 
-def lobes(tree: Tree, m: Value, anisotropy: Value, N: Value, T: Value) -> list[Lobe]:
+def lobes(tree: Tree, m: Value, anisotropy: Value, N: Value, T: Value, table: Table = VGROOVE) -> list[Lobe]:
     """The mixture as seen from the viewer; normals not yet of length 1."""
-    node = looked_up(tree, m, anisotropy, N, T)
+    node = looked_up(tree, m, anisotropy, N, T, table)
     weight = Value(tree, node["Weight"])
     found = []
     for index, share in enumerate(weight.rgb, 1):
+        if f"Normal {index}" not in node:
+            break
         of = (Value(tree, node[f"{name} {index}"]) for name in ("Roughness", "Normal", "Anisotropy", "Tangent"))
         found.append(Lobe(share, *of))
     return found
 
 
-def looked_up(tree: Tree, m: Value, anisotropy: Value, N: Value, T: Value) -> dict[str, NodeSocket]:
+def looked_up(tree: Tree, m: Value, anisotropy: Value, N: Value, T: Value, table: Table) -> dict[str, NodeSocket]:
     """The outputs of the nested group by name."""
-    node = tree.group(ensure(LOOK_UP_NAME, REVISION, build_look_up), m=m, Anisotropy=anisotropy, N=N, T=T)
+    group = ensure(f"{table.name} Lobes", table.revision, partial(build_look_up, table=table))
+    node = tree.group(group, m=m, Anisotropy=anisotropy, N=N, T=T)
     return {socket.name: socket for socket in node.outputs}
 
 
-def for_script(tree: Tree, inputs: anisotropic.Inputs) -> dict[str, Value]:
+def for_script(tree: Tree, inputs: anisotropic.Inputs, table: Table = VGROOVE) -> dict[str, Value]:
     """The same as parameters of the OSL shaders, which cannot read an image of a .blend themselves."""
-    found = looked_up(tree, inputs.m, inputs.anisotropy, specular_normal(tree, inputs.normal), inputs.T)
+    N = specular_normal(tree, inputs.normal)
+    found = looked_up(tree, inputs.m, inputs.anisotropy, N, inputs.T, table)
     return {name.lower().replace(" ", "_"): Value(tree, socket) for name, socket in found.items()}
 
 
-def build_look_up(tree: Tree) -> None:
+def build_look_up(tree: Tree, table: Table) -> None:
     """``lobes`` of the reference."""
     slope = tree.input_float("m", 0.3, low=1e-4, high=10.0, tip="RMS slope of the facets")
     anisotropy = tree.input_float("Anisotropy", 0.5, low=0.0, high=1.0, tip="As of Metallic BSDF")
@@ -92,12 +121,13 @@ def build_look_up(tree: Tree) -> None:
         G, z2 = scale(T, x) + scale(B, y), z * z
         across2 = maximum(dot(G, wo), 1e-14)
         round_slope = minimum(m * sqrt(across2 + z2), 1.0)
-    look_up = tree.group(ensure(fit.LOOK_UP_NAME, fit.REVISION, fit.build_look_up), m=round_slope, N=N)
-    weight, first, *others = (Value(tree, socket) for socket in look_up.outputs)
-    with tree.frame("No more light than arrives"):
-        excess = EXCESS * maximum(minimum(m * sqrt(wide), 1.0) - ROUGH, 0.0) * (1.0 - narrow)
-        kept = tree.math("MULTIPLY_ADD", z2, excess, 1.0 - excess)
-        tree.output_color("Weight", scale(weight, kept), tip="Of each lobe")
+    weight, first, others = table.look_up(tree, round_slope, N)
+    if table.gains:
+        with tree.frame("No more light than arrives"):
+            excess = EXCESS * maximum(minimum(m * sqrt(wide), 1.0) - ROUGH, 0.0) * (1.0 - narrow)
+            kept = tree.math("MULTIPLY_ADD", z2, excess, 1.0 - excess)
+            weight = scale(weight, kept)
+    tree.output_color("Weight", weight, tip="Of each lobe")
     with tree.frame("Upright lobe"):
         _lobe(tree, 1, sqrt(m * minimum(first * first, 1.0) / round_slope), N, anisotropy, T)
     with tree.frame("g over m, and what a lobe leans by"):

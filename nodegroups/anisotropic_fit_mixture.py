@@ -3,20 +3,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from . import anisotropic_fit, ensure, smith_lobe
 from ._tree import Tree, Value, dot, normalize, scale
+from .anisotropic_fit import VGROOVE, Table
 
 if TYPE_CHECKING:
     from . import anisotropic
     from ._tree import Number
 
-NAME = ".VGroove Anisotropic Fit Mixture"
-REVISION = 1
 
-
-def build(tree: Tree) -> None:
+def build(tree: Tree, table: Table) -> None:
     wi, h, N, T = (
         tree.input_vector(name, (0, 0, 1), hide_value=True, tip="Unit vector") for name in ("To Light", "h", "N", "T")
     )
@@ -24,7 +23,7 @@ def build(tree: Tree) -> None:
     anisotropy = tree.input_float("Anisotropy", 0.5, low=0.0, high=1.0, tip="As of Metallic BSDF")
     group = ensure(smith_lobe.NAME, smith_lobe.REVISION, smith_lobe.build)
     total: Number = 0.0
-    for lobe in anisotropic_fit.lobes(tree, m, anisotropy, N, T):
+    for lobe in anisotropic_fit.lobes(tree, m, anisotropy, N, T, table):
         wide, narrow = lobe.slopes
         normal = normalize(lobe.normal)
         along = normalize(lobe.tangent - scale(normal, dot(normal, lobe.tangent)))
@@ -36,8 +35,9 @@ def build(tree: Tree) -> None:
     tree.output_float("f cos", total, tip="In 1/sr")
 
 
-def fit_mixture(tree: Tree, wi: Value, h: Value, N: Value, inputs: anisotropic.Inputs) -> Value:
+def fit_mixture(tree: Tree, wi: Value, h: Value, N: Value, inputs: anisotropic.Inputs, table: Table = VGROOVE) -> Value:
     """f cos of the mixture with F = 1 through the nested group."""
     given = {"N": N, "T": inputs.T, "m": inputs.m, "Anisotropy": inputs.anisotropy}
-    node = tree.group(ensure(NAME, REVISION, build), To_Light=wi, h=h, **given)
+    group = ensure(f"{table.name} Mixture", table.revision, partial(build, table=table))
+    node = tree.group(group, To_Light=wi, h=h, **given)
     return Value(tree, node.outputs["f cos"])

@@ -5,13 +5,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import cook_torrance, cook_torrance_direct, eevee
+from . import cook_torrance, cook_torrance_albedo, cook_torrance_direct, eevee
 from ._tree import minimum, vector
-from .cook_torrance_albedo import albedo
 from .shading_normal import specular_normal
 
 if TYPE_CHECKING:
-    from ._tree import Tree
+    from ._tree import Tree, Value
 
 NAME = ".VGroove Cook-Torrance EEVEE"
 REVISION = 1
@@ -20,8 +19,12 @@ REVISION = 1
 def build(tree: Tree, kind: str) -> None:
     inputs = cook_torrance.interface(tree, kind)
     N = specular_normal(tree, inputs.normal)
+    output_formula(tree, kind, inputs, N, cook_torrance_albedo.albedo(tree, kind, inputs, N))
+
+
+def output_formula(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value, E: Value) -> None:
+    """The outputs of a formula's group. E: the share of the world's light that is sent back to the viewer."""
     m = minimum(inputs.m, eevee.WIDEST)
-    E = albedo(tree, kind, inputs, N)
     E = minimum(E if E.is_vector else vector(E, E, E), 1.0)
     world = eevee.world(tree, eevee.mirrored(tree, N, m), m)
     wi = eevee.to_light(tree)

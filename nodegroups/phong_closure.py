@@ -20,7 +20,7 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from ..addon.reference.phong_fit import KNEE
-from . import ensure, phong, smith_lobe
+from . import ensure, over_lambert, phong, smith_lobe
 from ._tree import Value, cross, dot, greater, maximum, minimum, normalize, output, scale, select, sqrt, tangents
 from .polynomial import horner2
 from .shading_normal import specular_normal
@@ -87,15 +87,11 @@ def native(tree: Tree, of: phong.Lobe, inputs: phong.Inputs) -> Native:
 
 
 def closures(tree: Tree, inputs: phong.Inputs, of: Native) -> NodeSocket:
-    """Both added up. Glossy BSDF makes slopes of r^2 / (1 + a) along the tangent and r^2 (1 + a) for a below 0."""
+    """Both added up."""
     color = inputs.albedo + inputs.specular * of.lambert if isinstance(of.lambert, Value) else inputs.albedo
     diffuse = tree.node("ShaderNodeBsdfDiffuse", Color=color, Roughness=0.0, Normal=inputs.normal)
-    glossy = tree.node(
-        "ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Color=inputs.specular * of.weight,
-        Roughness=sqrt(sqrt(of.across * of.within)), Anisotropy=sqrt(of.within / of.across) - 1.0,
-        Normal=of.normal, Tangent=of.tangent,
-    )  # fmt: skip
-    return tree.add_shaders([output(diffuse, "BSDF"), output(glossy, "BSDF")])
+    lobe = over_lambert.glossy(tree, inputs.specular * of.weight, (of.across, of.within), of.normal, of.tangent)
+    return tree.add_shaders([output(diffuse, "BSDF"), lobe])
 
 
 def carried(tree: Tree, of: Native, wi: Value) -> tuple[Value, Value | float]:

@@ -6,20 +6,17 @@ Radiance of one lamp: f cos(theta_i) E, E the irradiance across the beam.
 
 from __future__ import annotations
 
-from math import pi
 from typing import TYPE_CHECKING
 
-from . import phong
-from ._tree import Value, dot, greater, maximum, output
+from . import over_lambert, phong
 from .lamp_beams import Beams, beam_interfaces
-from .shading_normal import lit, shading_normal, smoothing, specular_normal
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from bpy.types import NodeSocket
 
-    from ._tree import Tree
+    from ._tree import Tree, Value
 
 NAME = "VGroove Phong Direct"
 REVISION = 1
@@ -42,27 +39,12 @@ def emission(
     tree: Tree, of: phong.Lobe, inputs: phong.Inputs, beams: Beams, *, diffuse: bool = True,
     carried: Callable[[Value], tuple[Value, Value | float]] | None = None,
 ) -> NodeSocket:  # fmt: skip
-    """The radiance of all lamps, as an emission closure of plain nodes.
+    """As ``over_lambert.emission``, of this lobe."""
 
-    diffuse: whether Lambert is sent, too. carried: (f cos, f of Lambert) that other closures send from wi already for
-    a white Specular Color; the emission is then what they lack, negative where they send too much.
-    """
-    N, facing, wo = specular_normal(tree, inputs.normal), shading_normal(tree, inputs.normal), tree.geometry("Incoming")
-    radiance: Value | int = 0
-    for wi, irradiance in beams:
-        ni, no = dot(N, wi), dot(N, wo)
-        seen = greater(ni, 0.0) * greater(no, 0.0) * lit(tree, inputs.normal, wi)
-        f_cos, lambert = of.value(tree, N, wi, wo, inputs.n) * ni, inputs.albedo * (1.0 / pi) if diffuse else None
-        if carried is not None:
-            sent, under = carried(wi)
-            f_cos = f_cos - sent
-            lambert = inputs.specular * -under if isinstance(under, Value) else None
-        sends = inputs.specular * (f_cos * seen)
-        if lambert is not None:
-            sends = sends + lambert * (maximum(dot(facing, wi), 0.0) * smoothing(tree, inputs.normal, wi))
-        radiance = radiance + irradiance * sends
-    emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
-    return output(emitted, "Emission")
+    def lobe(N: Value, wi: Value, wo: Value) -> Value:
+        return of.value(tree, N, wi, wo, inputs.n)
+
+    return over_lambert.emission(tree, inputs, beams, lobe, diffuse=diffuse, carried=carried)
 
 
 def emission_osl(

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import phong
+from . import over_lambert, phong
 from . import phong_direct as direct
-from ._tree import output
 from .lamp_beams import beam_interfaces
-from .shading_normal import specular_normal, typical_smoothing
+from .shading_normal import specular_normal
 
 if TYPE_CHECKING:
-    from ._tree import Tree
+    from ._tree import Tree, Value
 
 NAME = "VGroove Phong Mirror"
 REVISION = 1
@@ -26,12 +25,11 @@ def build(tree: Tree, of: phong.Lobe, lamps: int = 0) -> None:
     """With ``lamps``: those of zero size, which no ray can hit, are added by ``direct``; no light counts twice."""
     inputs = phong.interface(tree, of)
     beams = beam_interfaces(tree, lamps)
-    color = inputs.albedo * typical_smoothing(tree, inputs.normal)  # Cycles' own is off, as facets lean
-    diffuse = tree.node("ShaderNodeBsdfDiffuse", Color=color, Roughness=0.0, Normal=inputs.normal)
-    h, weight = of.draw(tree, specular_normal(tree, inputs.normal), tree.geometry("Incoming"), inputs.n)
-    color = inputs.specular * weight
-    mirror = tree.node("ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Color=color, Roughness=0.0, Normal=h)
-    shaders = [output(diffuse, "BSDF"), output(mirror, "BSDF")]
+
+    def draw() -> tuple[Value, Value]:
+        return of.draw(tree, specular_normal(tree, inputs.normal), tree.geometry("Incoming"), inputs.n)
+
+    shaders = over_lambert.mirror(tree, inputs, draw)
     shaders += [direct.emission(tree, of, inputs, beams, diffuse=False)] if beams else []
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 

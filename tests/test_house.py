@@ -16,7 +16,7 @@ _spec.loader.exec_module(house)
 FOUND, FILES, _ = house.count()
 ASKS = re.compile(r"\bsince\(\d|app\.version\b(?!_string)|hasattr\(bpy")
 # Loaded by nothing that an artist sees yet; scripts in Blender import them.
-FOR_SCRIPTS = {"addon/blender/gonio.py", "addon/choose/explain.py"}
+FOR_SCRIPTS = {"addon/blender/gonio.py", "addon/blender/gonio_merl.py", "addon/choose/explain.py"}
 FOR_SCRIPTS |= {f"addon/measured/{path.name}" for path in (ROOT / "addon" / "measured").glob("[!_]*.py")}
 
 

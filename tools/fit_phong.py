@@ -50,7 +50,7 @@ def fitted(name: str) -> phong_fit.Table:
     start, found = STARTS[name], []
     for n in EXPONENTS:
         model = MODELS[name](0.0, 1.0, n)
-        for c, energy in zip(COSINES, model.lobe_albedo(COSINES), strict=True):
+        for c, energy in zip(COSINES, model.lobe_albedo(spherical(np.arccos(COSINES))), strict=True):
             wo = spherical(np.arccos(c))
             lobe = phong_fit.lobes(wo, model.slope, start)
             toward = np.degrees(np.arccos(c) + 2.0 * np.arctan(lobe.tilt[0]))

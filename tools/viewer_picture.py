@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of the page in docs/viewer.md, by Chromium.
 
-python tools/viewer_picture.py docs/images/viewer.webp
+python tools/viewer_picture.py docs/images/viewer_page.webp
 """
 
 from __future__ import annotations

@@ -71,6 +71,7 @@ class Choice:
     ``hybrid`` those of zero size, which no ray can hit. shadows: whether these lamps cast any.
     bound: how much of the directional albedo ``hybrid`` may have wrong.
     disperses: whether clear bodies bend each colour by their Abbe number, where it is known and Cycles can (5.3).
+    bounces: whether light that bounces within the grooves of a metal is added, which the formula leaves out.
     play: how the course of a preset that changes is played; without it the material stands still, at the start.
     """
 
@@ -80,6 +81,7 @@ class Choice:
     shadows: bool = True
     bound: float = DEFAULT_BOUND
     disperses: bool = False
+    bounces: bool = False
     play: Play | None = None
 
     def __post_init__(self) -> None:

@@ -27,7 +27,7 @@ from .material import Choice, build, lamps_to_bind
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from bpy.types import Material, Node, Object, Scene, World
+    from bpy.types import Camera, Material, Node, Object, Scene, World
     from numpy.typing import NDArray
 
     from ..library.presets import Preset
@@ -266,21 +266,29 @@ def _patch(scene: Scene, material: Material, geometry: Geometry) -> None:
 
 
 def _camera(scene: Scene, geometry: Geometry) -> None:
+    camera_of(
+        scene, "gonio_camera", window=float(geometry.window), theta_i=float(geometry.axis), phi_i=float(geometry.phi_i)
+    )
+
+
+def camera_of(scene: Scene, shader: str, **parameters: float) -> Camera:
+    """Give the scene a camera that runs ``shader``, which is told the resolution and these parameters."""
     import cycles.osl
 
     camera = bpy.data.cameras.new("VGroove gonio")
     with tidy():
         camera.type, camera.custom_mode = "CUSTOM", "INTERNAL"
-        camera.custom_shader = text_block("gonio_camera")  # in a scene of Cycles this compiles it
+        camera.custom_shader = text_block(shader)  # in a scene of Cycles this compiles it
         if not camera.custom_bytecode:
             cycles.osl.update_custom_camera_shader(camera, lambda *_: None)
     custom = camera.cycles_custom
-    custom["resolution"] = (*map(float, geometry.resolution), 0.0)
-    custom["window"], custom["theta_i"] = float(geometry.window), float(geometry.axis)
-    custom["phi_i"] = float(geometry.phi_i)
+    custom["resolution"] = (float(scene.render.resolution_x), float(scene.render.resolution_y), 0.0)
+    for name, value in parameters.items():
+        custom[name] = value
     item = bpy.data.objects.new("VGroove gonio", camera)
     scene.collection.objects.link(item)
     scene.camera = item
+    return camera
 
 
 def rendered(scene: Scene) -> NDArray[np.float32]:
@@ -309,7 +317,7 @@ def measure_sphere(
         (lamp,) = light(scene, geometry)
         lamp.data.energy = 1.0
         bound = lamps_to_bind(scene, estimator, preset.model)
-        _sphere(scene, build(preset, Choice(backend, estimator, bound, shadows=False)))
+        sphere(scene, build(preset, Choice(backend, estimator, bound, shadows=False)))
         look_down(scene, 2.0)
         radiance = rendered(scene)
     x, y = np.meshgrid((np.arange(size) + 0.5) / size * 2 - 1, 1 - (np.arange(size) + 0.5) / size * 2)
@@ -328,7 +336,8 @@ def look_down(scene: Scene, width: float, at: tuple[float, float, float] = (0.0,
     scene.camera = item
 
 
-def _sphere(scene: Scene, material: Material) -> None:
+def sphere(scene: Scene, material: Material) -> None:
+    """One point of radius 1 at the origin, which Cycles traces as a perfect sphere."""
     mesh = bpy.data.meshes.new("VGroove gonio")
     mesh.from_pydata([(0, 0, 0)], [], [])
     item = bpy.data.objects.new("VGroove gonio", mesh)

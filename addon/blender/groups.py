@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ... import nodegroups
-from ...nodegroups import absorption, eevee, fit_table, versions
+from ...nodegroups import absorption, eevee, fit_table, groove, versions
 from ..models import MODELS
 from ..models.estimators import NATIVE
 from .choice import Choice, MaterialError, binds
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 
     from ...nodegroups._tree import Tree
     from ..library.presets import Preset
+
+
+TABLES = (fit_table.TABLE, groove.TABLE)
 
 
 def module_of(model: str, estimator: str) -> ModuleType:
@@ -52,15 +56,17 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.lamps and not binds("direct", 0.0, preset.model):
         message = f"{preset.id} is {preset.model}, which evaluates no lamps by itself; leave lamps empty"
         raise MaterialError(message)
-    if fit_table.find() is None:
-        fit_table.restore()  # an artist may have deleted it from groups that are there already
+    _restore_tables()
     module, spec = known[choice.estimator], preset.spec
+    bounces = scatters(preset, choice)
+    choice = replace(choice, bounces=bounces)  # for its parts too
     form = import_module(f".{preset.model}", nodegroups.__name__)
     parts = {name: group_of(part, choice) for name, part in preset.parts().items()}
     label, arguments = form.variant(preset, choice.estimator, parts) if parts else form.variant(preset)
     spreads = disperses(preset, choice)
     if spreads:
         label, arguments = f"{label} Dispersive".strip(), arguments | {"disperses": True}
+    label = f"{label} Bounces" if bounces else label
     build_group = module.build_osl if choice.backend == "osl" and not (parts or spreads) else module.build
     if not (parts or spec.transparent or choice.estimator in NATIVE):
         arguments["lamps"] = len(choice.lamps)
@@ -69,12 +75,26 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
         label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
     build = partial(build_group, **arguments)
     if choice.backend == "osl" or choice.estimator not in NATIVE:
-        build = partial(_with_closure, build, group_of(preset, Choice("nodes", "closure")))
+        build = partial(_with_closure, build, group_of(preset, Choice("nodes", "closure", bounces=bounces)))
     elif (formula := FORMULAS[preset.model]) is not None:
         name = f"{formula.NAME} {form.variant(preset)[0]}"
         shown = nodegroups.ensure(name, formula.REVISION, partial(formula.build, **arguments))
         build = partial(_with_formula, build, shown)
+    if bounces:
+        build = partial(_with_bounces, build, preset.kind, choice.estimator)
     return nodegroups.ensure(label + suffix(choice), module.REVISION, build)
+
+
+def _restore_tables() -> None:
+    """An artist may have deleted one from groups that are there already."""
+    for table in TABLES:
+        if table.find() is None:
+            table.restore()
+
+
+def scatters(preset: Preset, choice: Choice) -> bool:
+    """Whether light bounces on within the grooves. ``direct`` has the formula of one bounce, and nothing else."""
+    return choice.bounces and preset.can_bounce and choice.estimator != "direct"
 
 
 def disperses(preset: Preset, choice: Choice) -> bool:
@@ -93,6 +113,11 @@ def absorption_group() -> ShaderNodeTree:
 def suffix(choice: Choice) -> str:
     """What names of groups say of the backend."""
     return " (OSL)" if choice.backend == "osl" else ""
+
+
+def _with_bounces(build_group: Callable[[Tree], None], kind: str, estimator: str, tree: Tree) -> None:
+    build_group(tree)
+    groove.add_bounces(tree, kind, estimator)
 
 
 def _with_closure(build_group: Callable[[Tree], None], closure: ShaderNodeTree, tree: Tree) -> None:

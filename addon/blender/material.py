@@ -94,8 +94,9 @@ def record_of(preset: Preset, choice: Choice) -> Record:
     lights = tuple(str(one.slot) for one in choice.lamps)
     disperses = choice.disperses and preset.can_disperse  # also in a Blender that cannot, for one that can
     return Record(
-        preset, choice.backend, choice.estimator, choice.bound, choice.shadows, lights, choice.play, disperses=disperses
-    )
+        preset, choice.backend, choice.estimator, choice.bound, choice.shadows, lights, choice.play,
+        disperses=disperses, bounces=choice.bounces and preset.can_bounce,
+    )  # fmt: skip
 
 
 def _is_built_so(material: Material, record: Record, group: ShaderNodeTree) -> bool:

@@ -47,6 +47,7 @@ class Record:
     play: Play | None
     state: str = ""
     disperses: bool = False
+    bounces: bool = False
 
     def dumps(self) -> str:
         return json.dumps({"format": FORMAT} | asdict(self))
@@ -57,9 +58,8 @@ class Record:
         preset = [of.id, of.name, of.model, of.kind, of.flags, of.parameters, *map(asdict, of.distribution)]
         course = [asdict(self.play), of.time and asdict(of.time)] if self.play else None
         bound = self.bound if self.estimator == "hybrid" else None
-        return json.dumps(
-            [preset, self.backend, self.estimator, bound, self.shadows, self.lights, course, self.disperses]
-        )
+        more = [self.disperses, self.bounces]
+        return json.dumps([preset, self.backend, self.estimator, bound, self.shadows, self.lights, course, *more])
 
 
 def read(material: Material) -> Record | None:
@@ -89,7 +89,7 @@ def _read(text: str, state: str, course: str, label: str) -> Record | None:
         names = ("backend", "estimator", "bound", "shadows", "state")
         record = Record(
             Preset(**preset), **{name: kept[name] for name in names}, lights=tuple(kept["lights"]), play=play,
-            disperses=bool(kept.get("disperses")),
+            disperses=bool(kept.get("disperses")), bounces=bool(kept.get("bounces")),
         )  # fmt: skip
     except (ValueError, KeyError, TypeError, AttributeError):
         return None

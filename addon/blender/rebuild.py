@@ -39,7 +39,8 @@ UNCHANGED: Any = object()  # the animation stays as it is
 
 def rebuild(
     made: Material, scene: Scene, *, backend: str | None = None, estimator: str | None = None,
-    bound: float | None = None, disperses: bool | None = None, play: Play | None = UNCHANGED,
+    bound: float | None = None, disperses: bool | None = None, bounces: bool | None = None,
+    play: Play | None = UNCHANGED,
 ) -> list[str]:  # fmt: skip
     """Change ``made`` in place by the arguments, and to the lights of ``scene``; what the arguments leave out stays.
 
@@ -50,7 +51,8 @@ def rebuild(
     limit = material.origin_of(made).bound if bound is None else bound
     lamps = _lights(made, scene, estimator, record.preset.model)
     spread = record.disperses if disperses is None else disperses
-    choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, spread, record.play)
+    more = record.bounces if bounces is None else bounces
+    choice = Choice(backend or record.backend, estimator, lamps, record.shadows, limit, spread, more, record.play)
     lost = _exchange(made, record.preset, choice)
     changed = material.record_of(record.preset, choice)
     origin.write(made, replace(changed, state=_as_new(record.preset, choice)))
@@ -75,7 +77,9 @@ def as_preset(made: Material, scene: Scene, change: Callable[[Preset], Preset]) 
     if preset == before.preset:
         return []
     lamps = _lights(made, scene, record.estimator, preset.model)
-    choice = Choice(record.backend, record.estimator, lamps, record.shadows, before.bound, record.disperses)
+    choice = Choice(
+        record.backend, record.estimator, lamps, record.shadows, before.bound, record.disperses, record.bounces
+    )
     lost = _exchange(made, preset, choice)
     origin.write(made, replace(material.record_of(preset, choice), state=_as_new(preset, choice)))
     numbers = material.numbers_of(preset)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ...nodegroups import fit_table, lamp, versions
+from ...nodegroups import lamp, versions
 from ..blender import facts, lamps, rays
+from ..blender.groups import TABLES
 from ..blender.material import binds, locked
 from ..blender.rebuild import is_of_other_cycles, rebuild
 from ..models import MODELS
@@ -186,9 +187,10 @@ def cycles_problems(scene: Scene) -> Iterator[Problem]:
 
 def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
     """Materials that lost their node group or table, and those made before a light was added or lost its size."""
-    if fit_table.nodes_without_table():
-        text = f"The image {fit_table.NAME} was deleted: materials that need it render pink"
-        yield Problem("table", text, "Update", fit_table.restore)
+    for table in TABLES:
+        if table.nodes_without():
+            text = f"The image {table.name} was deleted: materials that need it render pink"
+            yield Problem("table", text, "Update", table.restore)
     for made, origin in known.origins.items():
         update = None if locked(made) else partial(rebuild, made, known.scene)
         if origin is None:

@@ -16,12 +16,22 @@ if TYPE_CHECKING:
 
 TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))["families"]
 TITLES = tuple(family["title"] for family in TABLE)
+LABORATORY = "Laboratory"
+ROUGH = 0.2  # slope m from which a tenth of what a metal's facets mirror may bounce on, and not near grazing alone
 SPECIAL = TITLES.index("Over Time")  # from here on not what a search is mostly about
 
 
 def of(preset: Preset) -> str:
     """The title of a preset's family."""
     return title(preset.id)
+
+
+def gets_bounces(preset: Preset) -> bool:
+    """Whether artists get light that bounces within its grooves unless they say no: of rough metals, as materials.
+
+    The Laboratory's presets stand for their papers, which count one bounce.
+    """
+    return preset.can_bounce and preset.m >= ROUGH and of(preset) != LABORATORY
 
 
 def number(identity: str) -> int:

@@ -103,6 +103,11 @@ class Preset:
         return self.refracts and self.parameters.get("abbe", 0.0) != 0.0
 
     @property
+    def can_bounce(self) -> bool:
+        """Whether light that bounces within its grooves can be added."""
+        return self.spec.bounces(self)
+
+    @property
     def lobes(self) -> int:
         """How many lobes it has beside its own numbers; 0 for most models."""
         return sum(base_name(key) != key for key in self.parameters) // max(len(self.spec.lobes), 1)

@@ -51,6 +51,17 @@ def search(query: str, presets: Iterable[Preset]) -> list[Preset]:
     return sorted(hits, key=lambda preset: (*_order(asked, preset, ranks[preset.id]), preset.id))
 
 
+def nearest(query: str, presets: Iterable[Preset]) -> tuple[str, list[Preset]]:
+    """What was searched for, and what was found: where no preset has every word, without the first, and so on.
+
+    The last word says what a thing is, those before it how: "old red car" finds cars, if no old ones are there.
+    """
+    words, known = query.split(), list(presets)
+    while len(words) > 1 and not search(" ".join(words), known):
+        words.pop(0)
+    return " ".join(words), search(" ".join(words), known)
+
+
 def _order(asked: list[str], preset: Preset, ranks: list[int | None]) -> tuple[bool, int, int, int]:
     """The special families after all; the place of the word found last; how many words more a name has; the family."""
     family = families.number(preset.id)

@@ -10,8 +10,19 @@
 
 from .csv_file import write_csv
 from .merl import Merl, tabulate, write_merl
-from .reading import read
+from .reading import ENDINGS, read
 from .summary import Summary, summarize
 from .table import Contents, Table
 
-__all__ = ["Contents", "Merl", "Summary", "Table", "read", "summarize", "tabulate", "write_csv", "write_merl"]
+__all__ = [
+    "ENDINGS",
+    "Contents",
+    "Merl",
+    "Summary",
+    "Table",
+    "read",
+    "summarize",
+    "tabulate",
+    "write_csv",
+    "write_merl",
+]

@@ -161,7 +161,7 @@ def _centres(phi_d: int) -> tuple[Floats, Floats, Floats]:
     return theta_h, theta_d, np.radians(np.arange(phi_d) + 0.5)
 
 
-def _rows(phi_d: int) -> Iterator[tuple[Floats, Floats]]:
+def rows(phi_d: int) -> Iterator[tuple[Floats, Floats]]:
     """wi and wo (90, phi_d, 3) of the entries of each theta_h."""
     theta_h, theta_d, phi = _centres(phi_d)
     for one in theta_h:
@@ -170,7 +170,7 @@ def _rows(phi_d: int) -> Iterator[tuple[Floats, Floats]]:
 
 def _lit(phi_d: int) -> NDArray[np.bool_]:
     """Entries (90, 90, phi_d) whose centre has both directions above the horizon."""
-    return np.stack([above(wi, wo) for wi, wo in _rows(phi_d)])
+    return np.stack([above(wi, wo) for wi, wo in rows(phi_d)])
 
 
 def _fill(table: Floats, whole: NDArray[np.bool_]) -> None:
@@ -219,7 +219,7 @@ def read_merl(content: bytes) -> Merl:
 def tabulate(f: Brdf, phi_d: int = PHI_D[0]) -> Floats:
     """A table (3, 90, 90, phi_d) of f(wi, wo) at the cells' centres; -1 where a direction is below the horizon."""
     table = np.full((3, THETA_H, THETA_D, phi_d), INVALID)
-    for index, (wi, wo) in enumerate(_rows(phi_d)):
+    for index, (wi, wo) in enumerate(rows(phi_d)):
         lit = above(wi, wo)
         table[:, index, lit] = f(wi[lit], wo[lit]).T
     return table

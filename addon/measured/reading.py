@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from .table import Table
 
+ENDINGS = (".binary", ".bsdf", ".astm", ".bin", ".csv")  # by which a name is taken for a file's, though none is there
 MOST_BYTES = 2**29  # the largest files of these formats, spectral and anisotropic, have a fifth of that
 
 

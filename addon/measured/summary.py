@@ -47,7 +47,7 @@ def summarize(table: Table) -> Summary:
         turns = AZIMUTHS[:1] if table.contents.isotropic else AZIMUTHS
         each = []
         for azimuth in turns:
-            wo, weight = _reflected(spherical(np.radians(angle), np.radians(azimuth)))
+            wo, weight = reflected(spherical(np.radians(angle), np.radians(azimuth)))
             seen.append(table.evaluate(spherical(np.radians(angle), np.radians(azimuth)), wo))
             each.append(weight @ seen[-1])
         albedo.append(tuple(float(one) for one in np.mean(each, axis=0)))
@@ -79,7 +79,7 @@ def _half_vectors() -> tuple[Floats, Floats]:
     return spherical(theta[:, None], phi).reshape(-1, 3), np.repeat(ring, NODES[1])
 
 
-def _reflected(wi: Floats) -> tuple[Floats, Floats]:
+def reflected(wi: Floats) -> tuple[Floats, Floats]:
     """Mirrored directions wo (n, 3) above the horizon, and cos times solid angle: d wo = 4 (wi . h) dh."""
     h, solid = _half_vectors()
     cosine = dot(wi, h)

@@ -32,6 +32,7 @@ MODEL = Model(
     has_fresnel=True,
     kinds=fresnel.LABELS,
     reference=_reference,
+    bounces=lambda form: form.kind != "dielectric",  # of a dielectric next to nothing is left after two
     principled=as_principled,
     most_lights_4_5={"corrected": 4, "direct": 6},
 )

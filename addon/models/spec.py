@@ -107,6 +107,7 @@ class Model:
     principled: what inputs of Blender's Principled get, by their names, for exports (``principled.Inputs``); None: the
     colour at normal incidence, and the slope as roughness.
     is_diffuse: whether it has a diffuse part. mirrors: whether Mirror mirrors all of it, so that denoisers see that.
+    bounces: whether light that bounces within its grooves can be added (``nodegroups.groove``).
     smooth_estimator: the estimator that is exact for m = 0 and draws nothing at random there.
     upright: estimators whose closures stand on the shading normal, beside ``estimators.UPRIGHT``.
     of_cycles: (estimator, backend) -> whether the material differs between versions of Cycles.
@@ -136,6 +137,7 @@ class Model:
     sheets: frozenset[str] = frozenset()
     is_diffuse: bool = False
     mirrors: bool = True
+    bounces: Callable[[Form], bool] = lambda _form: False
     smooth_estimator: str = ""
     upright: frozenset[str] = frozenset()
     of_cycles: Callable[[str, str], bool] = lambda _estimator, _backend: False

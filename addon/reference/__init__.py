@@ -15,6 +15,7 @@ from .distributions import beckmann_d, smith_g, vgroove_g, vgroove_g1
 from .estimators import rendered
 from .fresnel import F82, Conductor, Dielectric, Fresnel, Schlick, f82, fresnel_conductor, fresnel_dielectric, schlick
 from .glass import Glass, Pane, fresnel_transmittance, glass_btdf, refract
+from .groove import Groove
 from .keyframes import Keyframes, place_keys
 from .model import Model, albedo
 from .oren_nayar import Lambert, OrenNayar, oren_nayar
@@ -31,6 +32,7 @@ __all__ = [
     "Exponential",
     "Fresnel",
     "Glass",
+    "Groove",
     "Keyframes",
     "Keys",
     "Lambert",

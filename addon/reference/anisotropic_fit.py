@@ -13,7 +13,7 @@ Source of the stretch: Heitz 2014, Understanding the Masking-Shadowing Function,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,10 +46,10 @@ class Lobes:
     lean: Floats
 
 
-def round_slope(wo: Floats, m_x: float, m_y: float) -> Floats:
+def round_slope(wo: Floats, m_x: ArrayLike, m_y: ArrayLike) -> Floats:
     """m of the round surface whose mixture is stretched, (...)."""
     x, y, z = np.moveaxis(wo, -1, 0)
-    return np.sqrt((m_x * x) ** 2 + (m_y * y) ** 2 + m_x * m_y * z**2)
+    return np.sqrt(np.square(m_x * x) + np.square(m_y * y) + np.multiply(m_x, m_y) * z**2)
 
 
 def kept(wo: Floats, m_x: float, m_y: float) -> Floats:
@@ -74,23 +74,28 @@ def lobes(wo: ArrayLike, m_x: float, m_y: float) -> Lobes:
     m = round_slope(wo, m_x, m_y)
     side = np.hypot(wo[..., 0], wo[..., 1])
     flat = np.stack([side, np.zeros_like(side), wo[..., 2]], axis=-1)
-    of, m = fit.lobes(flat, m), np.minimum(m, 1.0)[..., None]
+    found = stretched(fit.lobes(flat, m), wo, m_x, m_y, np.minimum(m, 1.0))
+    return replace(found, weight=found.weight * kept(wo, m_x, m_y)[..., None])
+
+
+def stretched(of: fit.Lobes, wo: Floats, m_x: ArrayLike, m_y: ArrayLike, m: Floats) -> Lobes:
+    """Lobes of a round surface of slope ``m`` stretched to slopes m_x and m_y, (...)."""
+    m, slopes = m[..., None], np.stack(np.broadcast_arrays(m_x, m_y), axis=-1)
     within, across, tilt = of.within / m, of.across / m, of.tilt / m
-    slopes = np.array([m_x, m_y])
     seen = wo[..., :2] * slopes
     g = seen * slopes / np.maximum(np.linalg.norm(seen, axis=-1, keepdims=True), 1e-300)
     more = within**2 - across**2
-    xx, yy = (across**2 * slopes[k] ** 2 + more * g[..., k, None] ** 2 for k in (0, 1))
+    xx, yy = (across**2 * slopes[..., k, None] ** 2 + more * g[..., k, None] ** 2 for k in (0, 1))
     xy = more * (g[..., 0] * g[..., 1])[..., None]
     middle, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
     wide = np.sqrt(middle + np.hypot(half, xy))
-    narrow = m_x * m_y * within * across / wide  # the difference of two roots would cancel
+    narrow = np.prod(slopes, axis=-1)[..., None] * within * across / wide  # the difference of two roots would cancel
     turn = 0.5 * np.arctan2(xy, half)
     aspect = np.maximum(narrow / wide, fit.NARROWEST) ** 0.5
     area = wide * narrow
     wide, narrow = np.sqrt(area) / aspect, np.sqrt(area) * aspect
     return Lobes(
-        of.weight * kept(wo, m_x, m_y)[..., None], np.minimum(wide, 1.0), np.minimum(narrow, 1.0),
+        of.weight, np.minimum(wide, 1.0), np.minimum(narrow, 1.0),
         np.stack([np.cos(turn), np.sin(turn)], axis=-1), -tilt[..., None] * g[..., None, :],
     )  # fmt: skip
 
@@ -98,7 +103,12 @@ def lobes(wo: ArrayLike, m_x: float, m_y: float) -> Lobes:
 def mixture(wi: ArrayLike, wo: ArrayLike, m_x: float, m_y: float) -> Floats:
     """f cos(theta_i) of the mixture with F = 1, in 1/sr, (...): the sum of weight D G / (4 v.n') over its lobes."""
     wi, wo = as_pair(wi, wo)
-    of, h = lobes(wo, m_x, m_y), half_vector(wi, wo)
+    return sent(wi, wo, lobes(wo, m_x, m_y))
+
+
+def sent(wi: Floats, wo: Floats, of: Lobes) -> Floats:
+    """f cos(theta_i) of the lobes that each wo sees, in 1/sr, (...)."""
+    h = half_vector(wi, wo)
     up = np.ones((*of.lean.shape[:-1], 1))
     n = np.concatenate([of.lean, up], axis=-1) / np.sqrt(1.0 + np.sum(of.lean**2, axis=-1, keepdims=True))
     T = np.concatenate([of.axis, 0.0 * up], axis=-1)

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from . import phong_fit
-from .cook_torrance import as_samples
-from .directions import above, as_directions, as_pair, as_range, as_rgb, dot, half_vector, norm, reflect
+from .directions import above, as_pair, as_range, dot, half_vector, norm, reflect
 from .oren_nayar import Lambert
+from .over_lambert import OverLambert
 from .quadrature import panels
 
 if TYPE_CHECKING:
@@ -32,70 +32,19 @@ SPREAD = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.5, 7.0])  # of a lobe, in sta
 
 
 @dataclass(frozen=True)
-class _CosineLobe:
-    """f = albedo/pi + specular lobe; ``albedo`` and ``specular`` RGB in [0, 1], together at most 1 in each channel."""
+class _CosineLobe(OverLambert):
+    """A cosine lobe of albedo 1 head-on, over Lambert."""
 
-    albedo: ArrayLike
-    specular: ArrayLike
     name: ClassVar[str]  # of the model, in the table of ``phong_fit``
 
     def __post_init__(self) -> None:
-        albedo, specular = as_rgb(self.albedo, "albedo", 0.0, 1.0), as_rgb(self.specular, "specular", 0.0, 1.0)
         as_range(self.n, "exponent", 0.0, HIGHEST)
-        if np.max(albedo + specular) > 1.0 + 1e-12:
-            message = f"albedo + specular must be at most 1, got {np.max(albedo + specular):.15g}"
-            raise ValueError(message)
+        super().__post_init__()
 
     @property
     def n(self) -> float:
         """The exponent."""
         raise NotImplementedError
-
-    def lobe(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
-        """The lobe in 1/sr, (...), of albedo 1 head-on; 0 unless both leave the upper side."""
-        raise NotImplementedError
-
-    def lobe_albedo(self, cosine: Floats) -> Floats:
-        """Integral of lobe cos over wi, (...), for n.v in (0, 1], by quadrature in the one angle that needs it."""
-        raise NotImplementedError
-
-    def _draw(self, wo: Floats, u: Floats) -> Floats:
-        """wi for each wo, (..., 3), for u (..., 3): two for the facet or the lobe, its dual."""
-        raise NotImplementedError
-
-    def _density(self, wi: Floats, wo: Floats) -> Floats:
-        """Density of ``_draw`` in 1/sr, (...)."""
-        raise NotImplementedError
-
-    def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
-        """f(wi, wo) in 1/sr, (..., 3); 0 unless both leave the upper side."""
-        return Lambert(self.albedo).evaluate(wi, wo) + self.lobe(wi, wo)[..., None] * np.asarray(self.specular)
-
-    def sample(self, wo: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
-        """Draw wi from the lobe or by the cosine, chosen by u[..., 0]; weight f cos over the density of both."""
-        wo, u = as_samples(wo, u)
-        below, _ = Lambert(1.0).sample(wo, u)
-        wi = np.where(u[..., :1] < self._share(), self._draw(wo, u[..., 1:]), below)
-        density = self.pdf(wi, wo)[..., None]
-        f_cos = self.evaluate(wi, wo) * np.maximum(wi[..., 2:], 0.0)
-        return wi, f_cos / np.where(density > 0, density, 1.0)
-
-    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
-        """Density of ``sample`` in 1/sr, (...); 0 below the surface, where what is drawn weighs 0."""
-        wi, wo = as_pair(wi, wo)
-        share, lit = self._share(), above(wi, wo)
-        return np.where(lit, share * self._density(wi, wo), 0.0) + (1.0 - share) * Lambert(1.0).pdf(wi, wo)
-
-    def directional_albedo(self, wo: ArrayLike) -> Floats:
-        """Directional albedo, (..., 3): integral of f cos over wi."""
-        cosine = as_directions(wo, "wo")[..., 2]
-        lobe = np.where(cosine > 0, self.lobe_albedo(np.where(cosine > 0, np.minimum(cosine, 1.0), 1.0)), 0.0)
-        return Lambert(self.albedo).directional_albedo(wo) + lobe[..., None] * np.asarray(self.specular)
-
-    def _share(self) -> float:
-        """Of samples that are drawn from the lobe."""
-        specular, albedo = (float(np.mean(np.asarray(color))) for color in (self.specular, self.albedo))
-        return specular / (specular + albedo) if specular + albedo > 0 else 0.0
 
     def rendered(self, estimator: str, _bound: float) -> Brdf:
         """See ``estimators.rendered``. ``closure``, also in place of ``fit``: Lambert and a lobe of Cycles' own."""
@@ -145,9 +94,9 @@ class Phong(_CosineLobe):
     def _density(self, wi: Floats, wo: Floats) -> Floats:
         return (self.n + 1.0) / (2.0 * np.pi) * cosine_power(wi, wo * [-1.0, -1.0, 1.0], self.n)
 
-    def lobe_albedo(self, cosine: Floats) -> Floats:
+    def lobe_albedo(self, wo: Floats) -> Floats:
         """Over a and the azimuth p about the mirror direction: n.l = cos a c + sin a s cos p, which p integrates."""
-        c, s = cosine[..., None], np.sqrt((1.0 - cosine) * (1.0 + cosine))[..., None]
+        c, s = _view(wo)
         wide = np.minimum(SPREAD / np.sqrt(self.n + 1.0), np.pi / 2)
         edges = [np.broadcast_to(edge, c.shape) for edge in (*wide, np.pi / 2)] + [np.arctan2(c, s)]
         a, weight = panels(np.sort(np.concatenate(edges, axis=-1), axis=-1), 24)
@@ -206,9 +155,9 @@ class BlinnPhong(_CosineLobe):
         power = cosine_power(h, np.array([0.0, 0.0, 1.0]), self.n)
         return G1 * (self.n + 2.0) / (2.0 * np.pi) * power / (4.0 * no)
 
-    def lobe_albedo(self, cosine: Floats) -> Floats:
+    def lobe_albedo(self, wo: Floats) -> Floats:
         """Over facets at t and azimuth p: dl = 4 (v.h) dh, v.h = A + B cos p and n.l = 2 (n.h)(v.h) - c."""
-        c, s = cosine[..., None], np.sqrt((1.0 - cosine) * (1.0 + cosine))[..., None]
+        c, s = _view(wo)
         theta = np.arctan2(s, c)
         kinks = [(np.pi / 2 - theta) / 2.0, (np.pi / 2 + theta) / 2.0]  # facets that light only part of, and none
         wide = SPREAD * self.slope
@@ -220,6 +169,12 @@ class BlinnPhong(_CosineLobe):
         lit = 2.0 * (A * low * p + (A * high + B * low) * np.sin(p) + B * high * (p / 2.0 + np.sin(2.0 * p) / 4.0))
         lobe = self.scale * np.exp(self.n * np.log(nh))
         return np.asarray(np.sum(4.0 * lobe * np.maximum(lit, 0.0) * np.sin(t) * weight, axis=-1))
+
+
+def _view(wo: Floats) -> tuple[Floats, Floats]:
+    """cos and sin of the views' angles, (..., 1)."""
+    cosine = np.minimum(wo[..., 2:], 1.0)
+    return cosine, np.sqrt((1.0 - cosine) * (1.0 + cosine))
 
 
 def cosine_power(a: Floats, b: Floats, n: float) -> Floats:

@@ -129,6 +129,30 @@ def _vgroove_moment(vz: float, facets: Facets, fresnel: Fresnel, moment: int, no
     return np.einsum("pqc,pq,p->c", integrand, q_weight, p_weight)
 
 
+def facet_mean(
+    wo: ArrayLike, m_x: float, m_y: float, weight: Callable[[float, Floats, Floats], Floats], *, nodes: int = NODES
+) -> Floats:
+    """Integral of P(p, q) weight(v_z, A, 1 + p^2 + q^2) dp dq over facets that mirror to ``wo``, (...).
+
+    P, A and the slopes as in ``vgroove_albedo``.
+    """
+    wo = as_directions(wo, "wo")
+    azimuth = np.arctan2(wo[..., 1], wo[..., 0]).ravel()
+
+    def one(vz: float, index: int) -> Floats:
+        facets, vx = Facets(m_x, m_y, float(azimuth[index])), np.sqrt((1.0 - vz) * (1.0 + vz))
+        p, p_weight = panels(_outer_edges(vx, vz, facets.along, ()), nodes)
+        if p.size == 0:
+            return np.zeros(3)
+        A = vx * p + vz
+        q, q_weight = panels(_inner_edges(p, A, vz, facets, ()), nodes)
+        p, A = p[:, None], A[:, None]
+        found = facets.density(p, q) * weight(vz, A, 1.0 + p * p + q * q)
+        return np.einsum("pq,pq,p->", found, q_weight, p_weight) * np.ones(3)
+
+    return per_direction(wo, one)[..., 0]
+
+
 def _outer_edges(vx: float, vz: float, m: float, kinks: Sequence[float]) -> Floats:
     """Panel edges in p: where lines and circles of the inner kinks begin, end or cross q = 0."""
     far = vx / vz + np.sqrt(np.square(vx / vz) + 1.0)

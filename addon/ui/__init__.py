@@ -25,6 +25,8 @@ from . import (
     shader_editor,
     textures,
     thumbnails,
+    viewer,
+    viewer_draw,
     watch,
 )
 
@@ -40,6 +42,7 @@ WITH_CLASSES = (
     panels,
     course,
     export,
+    viewer,
 )
 _registered = ExitStack()
 
@@ -67,6 +70,10 @@ def register() -> None:
         undo.callback(delattr, bpy.types.Scene, "vgroove")
         bpy.types.Scene.vgroove_course = bpy.props.PointerProperty(type=course.VGrooveCourse)
         undo.callback(delattr, bpy.types.Scene, "vgroove_course")
+        bpy.types.Scene.vgroove_viewer = bpy.props.PointerProperty(type=viewer.VGrooveViewer)
+        undo.callback(delattr, bpy.types.Scene, "vgroove_viewer")
+        undo.callback(viewer_draw.unregister)
+        viewer_draw.register()
         follow.register()
         undo.callback(follow.unregister)
         opened.register()

@@ -7,7 +7,7 @@ import bpy
 
 from ..blender import material, metalness, slots, textures
 from ..blender.rebuild import UNCHANGED, rebuild
-from ..library import presets
+from ..library import families, presets
 from ..library.errors import InputError
 from . import course, memory
 from .operators import chosen_estimator, in_one_line
@@ -48,18 +48,21 @@ class VGROOVE_OT_apply(bpy.types.Operator):
         try:
             preset, backend, estimator = chosen_preset(settings), settings.backend, chosen_estimator(context.scene)
             bound, disperses = settings.bound / 100.0, settings.disperses
+            bounces = settings.bounces and families.gets_bounces(preset)
             play = course.play_of(context.scene) if preset.time and context.scene.vgroove_course.play else None
             same = {} if in_parts else {item: item.active_material for item in able if _is_of(item, preset)}
             lost = []
             for made in dict.fromkeys(same.values()):
                 lost += rebuild(
                     made, context.scene, backend=backend, estimator=estimator, bound=bound, disperses=disperses,
-                    play=play if preset.time else UNCHANGED,
+                    bounces=bounces, play=play if preset.time else UNCHANGED,
                 )  # fmt: skip
             others = [item for item in able if item not in same]
             if others:
                 lamps = material.lamps_to_bind(context.scene, estimator, preset.model)
-                choice = material.Choice(backend, estimator, lamps, bound=bound, disperses=disperses, play=play)
+                choice = material.Choice(
+                    backend, estimator, lamps, bound=bound, disperses=disperses, bounces=bounces, play=play
+                )
                 lost += _give(context, preset, choice, others)
         except InputError as error:
             self.report({"ERROR"}, str(error))

@@ -10,7 +10,7 @@ import bpy
 from ..blender import facts, material
 from ..blender.rebuild import rebuild, reset
 from ..choose import advice, automatic
-from ..library import presets
+from ..library import families, presets
 from ..library.errors import InputError
 from . import course, memory, watch
 from .properties import choose_listed, chosen_preset
@@ -42,13 +42,14 @@ class VGROOVE_OT_update(bpy.types.Operator):
         disperses = settings.disperses if chosen_preset(settings).can_disperse else None  # where the panel asks
         try:
             for made in chosen:
-                estimator = settings.estimator
+                estimator, now = settings.estimator, material.origin_of(made).preset
                 if estimator == "auto":
-                    estimator = automatic.pick(context.scene, material.origin_of(made).preset).estimator
+                    estimator = automatic.pick(context.scene, now).estimator
+                bounces = settings.bounces if families.gets_bounces(now) else None
                 bound = settings.bound / 100.0 if estimator == "hybrid" else None
                 said = rebuild(
                     made, context.scene, backend=settings.backend, estimator=estimator, bound=bound,
-                    disperses=disperses,
+                    disperses=disperses, bounces=bounces,
                 )  # fmt: skip
                 lost += [f"{made.name}: {text}" for text in said]
         except InputError as error:

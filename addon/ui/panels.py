@@ -7,7 +7,7 @@ import bpy
 
 from ...nodegroups import versions
 from ..blender import material, textures
-from ..library import presets
+from ..library import families, presets
 from . import memory, numbers, operators, properties, watch
 from .preferences import ROOT
 from .text import lines
@@ -56,7 +56,8 @@ class _Picker:
         preset = properties.chosen_preset(settings)
         draw_choice(layout, settings, preset)
         column = layout.column()
-        column.row().prop(settings, "backend", expand=True)
+        if bpy.app.build_options.cycles_osl or settings.backend == "osl":  # some Blenders have none
+            column.row().prop(settings, "backend", expand=True)
         picked = operators.pick(watch.current(context.scene))
         if _shows_estimators(settings):
             column.prop(settings, "estimator")
@@ -71,6 +72,8 @@ class _Picker:
             row = column.row()
             row.enabled = versions.DISPERSES
             row.prop(settings, "disperses")
+        if families.gets_bounces(preset):
+            column.prop(settings, "bounces")
         if _replaces_textures(context):
             column.prop(settings, "keep_textures")
         row = layout.row()
@@ -245,8 +248,11 @@ def draw_choice(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, p
 
 def listing(settings: bpy.types.PropertyGroup, count: int) -> str:
     """How many presets a search found; why none is shown."""
-    if settings.search.strip():
-        return f"{count} found" if count else "Nothing found. Try another word, or clear the search"
+    if asked := settings.search.split():
+        searched = properties.searched_words(settings)
+        if not count:
+            return "Nothing found. Try another word, or clear the search"
+        return f"{count} found" if searched.split() == asked else f"{count} found for {searched}"
     return "" if count else "No presets here yet. Choose another family"
 
 

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import os
 import subprocess
+import tempfile
 from pathlib import Path
+from typing import IO
 
 import bpy
 
@@ -26,7 +28,7 @@ sys.modules[spec.name] = importlib.util.module_from_spec(spec)
 importlib.import_module(spec.name + ".addon.choose.picture").main()
 """
 _waiting: list[str] = []  # ids, the next one first
-_running: dict[str, subprocess.Popen[bytes]] = {}  # at most one, by id
+_running: dict[str, tuple[subprocess.Popen[bytes], IO[bytes]]] = {}  # at most one, by id: it, and what it complains of
 
 
 def request(identity: str) -> None:
@@ -67,9 +69,11 @@ def cancel(identity: str) -> bool:
     """Whether a picture was asked for and is not there yet; it is no longer made."""
     asked = identity in _waiting or identity in _running
     _waiting[:] = [one for one in _waiting if one != identity]
-    if process := _running.pop(identity, None):
+    if identity in _running:
+        process, errors = _running.pop(identity)
         process.kill()
         process.wait()
+        errors.close()
     return asked
 
 
@@ -100,12 +104,17 @@ def command(identity: str) -> list[str]:
 
 def _look() -> float | None:
     """Called by Blender until nothing waits: shows what is ready and starts the next one."""
-    for identity, process in list(_running.items()):
+    for identity, (process, errors) in list(_running.items()):
         if process.poll() is None:
             return PAUSE
         del _running[identity]
+        with errors:
+            errors.seek(0)
+            lines = errors.read().decode(errors="replace").split("\n")
         if process.returncode:
-            print(f"V-Groove: no picture of {identity}: Blender in the background ended with {process.returncode}")
+            why = next((line for line in reversed(lines) if line.strip()), "it gave no reason")
+            how = f"Blender in the background ended with {process.returncode}: {why.strip()}"
+            print(f"V-Groove: no picture of {identity}: {how}")
         thumbnails.forget(identity)
     if not _waiting:
         return None
@@ -117,12 +126,14 @@ def _look() -> float | None:
     return PAUSE
 
 
-def _start(identity: str) -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
+def _start(identity: str) -> tuple[subprocess.Popen[bytes], IO[bytes]]:
+    errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed when it has ended
+    process = subprocess.Popen(
         command(identity),
         env=os.environ | {presets.USER_FOLDER: str(presets.user_folder())},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+        stderr=errors,
         creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # Windows would open a console
     )
+    return process, errors

@@ -10,6 +10,7 @@ from functools import lru_cache
 import bpy
 
 from ..library import families, presets
+from ..library.search import nearest
 from ..models import estimators
 from ..reference.hybrid import BOUNDS, DEFAULT_BOUND
 from . import memory, thumbnails
@@ -97,7 +98,7 @@ def matching(settings: VGrooveSettings) -> list[presets.Preset]:
     """What the search finds in all families, the best first; without one, the presets of the chosen family."""
     known = presets.all_presets()
     if words := settings.search.strip():
-        return [known[identity] for identity in _found(words, tuple(known))]
+        return [known[identity] for identity in _found(words, tuple(known))[1]]
     family = settings.family  # read once: Blender rebuilds the list of families each time
     if family in {FAVOURITES, RECENT}:
         ids = memory.favourites() if family == FAVOURITES else memory.recent()
@@ -109,8 +110,14 @@ def matching(settings: VGrooveSettings) -> list[presets.Preset]:
 
 
 @lru_cache(maxsize=2)
-def _found(words: str, _identities: tuple[str, ...]) -> list[str]:
-    return [preset.id for preset in presets.search(words)]
+def _found(words: str, _identities: tuple[str, ...]) -> tuple[str, list[str]]:
+    searched, found = nearest(words, presets.all_presets().values())
+    return searched, [preset.id for preset in found]
+
+
+def searched_words(settings: VGrooveSettings) -> str:
+    """The words that count, as no preset may have all of them."""
+    return _found(settings.search.strip(), tuple(presets.all_presets()))[0]
 
 
 @lru_cache(maxsize=2)
@@ -206,6 +213,14 @@ class VGrooveSettings(bpy.types.PropertyGroup):
         name="Dispersion",
         description="Colors spread by the material's Abbe number, as in a prism. Blender 5.3 and newer; more noise",
         default=False,
+    )
+    bounces: bpy.props.BoolProperty(
+        name="Multiple Scattering",
+        description=(
+            "Adds light that bounces more than once between the facets of a rough metal, which gets brighter and its "
+            "color deeper. Off: one bounce, as the paper has it. If you make a smooth metal rough, press Update"
+        ),
+        default=True,
     )
     quality: bpy.props.EnumProperty(
         name="Quality",

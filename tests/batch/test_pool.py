@@ -161,6 +161,7 @@ def test_what_a_process_may_hold_is_watched(folder, monkeypatch):
     assert "took more memory than 100 MB; give more with --memory or fewer --workers" in found.reason
 
 
+@pytest.mark.once
 def test_a_full_disk_ends_the_work(folder):
     """As does anything else that keeps files from being written: one line, exit 3, nothing half written."""
     process = batch(SMALL + f"seed = {list(range(300))}\n", folder)
@@ -194,6 +195,7 @@ def test_what_a_killed_batch_left_is_finished(folder, same_as_quiet, family):
     check_whole(folder, same_as_quiet, parse(job, "job", folder))
 
 
+@pytest.mark.once
 def test_ctrl_c_stops_cleanly(folder, family):
     """Exit 130, one line, no process left, a table of what was done, and the same command goes on."""
     job = SMALL + f"seed = {list(range(200))}\n"

@@ -129,9 +129,9 @@ def expected(model, left=None):
     """f cos(theta_i) E of the reference in the light of ``add_lights``; without ``left`` in that of the sun alone."""
     there = np.isfinite(normals()[..., 2])
     N = normals()[there]
-    T = np.cross(N, (0.1, 0.9, 0.0))
-    T /= np.linalg.norm(T, axis=-1, keepdims=True)
-    frame = np.stack([T, np.cross(N, T), N], axis=-2)
+    B = np.cross(N, TANGENT)
+    B /= np.linalg.norm(B, axis=-1, keepdims=True)
+    frame = np.stack([np.cross(B, N), B, N], axis=-2)
 
     def lit(to_light, irradiance):
         wi, wo = (np.einsum("kij,kj->ki", frame, np.broadcast_to(one, N.shape)) for one in (to_light, (0.0, 0.0, 1.0)))
@@ -176,11 +176,20 @@ def half_of(preset):
     return made
 
 
-MATTE, COATED, MIXED = "plaster", "abs_plastic", "metals/copper"
+def brushed(preset):
+    """A material whose grooves follow a tangent that is linked."""
+    made = standard(preset)
+    tangent = add_node(made.node_tree, "CombineXYZ", **dict(zip("XYZ", TANGENT, strict=True)))
+    made.node_tree.links.new(tangent.outputs[0], roles.node(made, roles.MODEL).inputs["Tangent"])
+    return made
+
+
+MATTE, COATED, MIXED, BRUSHED = "plaster", "abs_plastic", "metals/copper", "finished_metals/gold_ground"
+TANGENT = 0.9, 0.3, 0.2
 
 
 def test_eevee_shows_the_formula_at_every_light(blender):
-    """Of Oren-Nayar, a sum and a mixture with copper, as by NumPy, in shadows too; where it traces rays, closures.
+    """Of Oren-Nayar, a sum, brushed gold and a mixture with copper, as by NumPy, in shadows too; raytraced, closures.
 
     The world is shown as well, and lights do not count in it. One test, as EEVEE takes long to compile.
     """
@@ -189,22 +198,23 @@ def test_eevee_shows_the_formula_at_every_light(blender):
         assert not [node for group in bpy.data.node_groups for node in group.nodes if eevee.is_formula(node)]
         return
     shown = cells_stage([partial(standard, MATTE), partial(standard, COATED), partial(half_of, MIXED),
-                         partial(without_formula, MATTE)])  # fmt: skip
-    lights = add_lights(shown)
+                         partial(brushed, BRUSHED), partial(without_formula, MATTE)])  # fmt: skip
+    lights, usual = add_lights(shown), shown.eevee.light_threshold
+    shown.eevee.light_threshold = 1e-5  # by its own, lights fade with distance: 5 % at 60 m
     at_lights = seen(shown)
-    for k, (preset, share) in enumerate(((MATTE, 1.0), (COATED, 1.0), (MIXED, 0.5))):
+    for k, (preset, share) in enumerate(((MATTE, 1.0), (COATED, 1.0), (MIXED, 0.5), (BRUSHED, 1.0))):
         wanted = share * expected(presets.find(preset).reference(), k * CELLS)
         np.testing.assert_allclose(at_lights[k], wanted, atol=0.005 * wanted.max(), rtol=0.0, err_msg=preset)
 
     screen = add_object(shown, "Screen", quad("Screen", 6.0), POINT - (0.0, 0.0, 1.0))
-    lights[1].data.use_shadow = True
+    lights[1].data.use_shadow, shown.eevee.light_threshold = True, usual  # a far reach makes shadows coarse
     by_sun = expected(presets.find(MATTE).reference())
     np.testing.assert_allclose(seen(shown)[0], by_sun, atol=0.005 * by_sun.max(), rtol=0.0)
-    screen.hide_render, lights[1].data.use_shadow = True, False
+    screen.hide_render, lights[1].data.use_shadow, shown.eevee.light_threshold = True, False, 1e-5
 
     shown.eevee.use_raytracing = lights[1].hide_render = True  # the point is nearer to one
     traced = seen(shown)
-    np.testing.assert_allclose(traced[0], traced[3], atol=PACKED * traced[3].max(), rtol=0.0)
+    np.testing.assert_allclose(traced[0], traced[4], atol=PACKED * traced[4].max(), rtol=0.0)
     assert np.abs(traced[0] - by_sun).max() > 10 * PACKED * traced[0].max()
     shown.eevee.use_raytracing = lights[1].hide_render = False
 
@@ -214,11 +224,11 @@ def test_eevee_shows_the_formula_at_every_light(blender):
     for one in lights:
         one.hide_render = True
     world = seen(shown)
-    peak = both[:3].max()
-    np.testing.assert_allclose(both[:3], world[:3] + at_lights[:3], atol=4 * HALF * peak, rtol=0.0)
+    peak = both[:4].max()
+    np.testing.assert_allclose(both[:4], world[:4] + at_lights[:4], atol=4 * HALF * peak, rtol=0.0)
 
 
-@pytest.mark.parametrize("name", ["metals/copper", MATTE, COATED, "car_paints/blue", "translucent/marble"])
+@pytest.mark.parametrize("name", ["metals/copper", MATTE, COATED, BRUSHED, "car_paints/blue", "translucent/marble"])
 def test_cycles_drops_the_formula(blender, monkeypatch, name):
     """Every bit of its picture stays, also on a mapped normal."""
     pictures = []

@@ -10,6 +10,7 @@ from vgroove.addon.blender import material
 from vgroove.addon.blender.material import Choice, build
 from vgroove.addon.choose import automatic
 from vgroove.addon.library.presets import all_presets
+from vgroove.addon.models import MODELS
 
 pytestmark = pytest.mark.blender
 
@@ -40,9 +41,14 @@ def sent_back(balls, members, backend):
     return found
 
 
+@pytest.mark.parametrize("share", ["most", pytest.param("all", marks=pytest.mark.more)])
 @pytest.mark.parametrize("name", FAMILIES)
-def test_every_preset_builds_and_sends_back_no_more_than_arrives(balls, name):
-    sent_back(balls, family(name), "nodes")
+def test_every_preset_builds_and_sends_back_no_more_than_arrives(balls, name, share):
+    """Of what has a list of lobes, which Cycles compiles for most of a second, each fourth: by `make test-all` each."""
+    members = family(name)
+    listed = [preset for preset in members if MODELS[preset.model].lobes]
+    left = {preset.id for preset in listed} - {preset.id for preset in listed[::4]} if share == "most" else ()
+    sent_back(balls, [preset for preset in members if preset.id not in left], "nodes")
 
 
 @pytest.mark.parametrize("step", [6, pytest.param(1, marks=pytest.mark.more)])

@@ -87,6 +87,12 @@ def _phong(_preset, of):
     return {"color": below + specular, "metallic": metallic, "specular": 0.0, "roughness": m**0.5}
 
 
+def _ward(preset, of):
+    """As Phong's; its roughness is the slope's, as any model's."""
+    found = _phong(preset, of | {"shininess": 0.0})
+    return {key: value for key, value in found.items() if key != "roughness"}
+
+
 def _generator(preset, of):
     below, rough = np.array(of["albedo"]), Distribution(preset.distribution).slope ** 0.5
     f0 = np.array(of["specular"]) * preset.reference_fresnel()(1.0)
@@ -103,6 +109,7 @@ def _generator(preset, of):
 EXPECTED = {
     "phong": _phong,
     "blinn_phong": _phong,
+    "ward": _ward,
     "generator": _generator,
     "anisotropic": _anisotropic,
     "cook_torrance": lambda preset, _: {"color": preset.reference_fresnel()(1.0), "metallic": 1.0},

@@ -6,7 +6,7 @@ import time
 import pytest
 
 from vgroove.addon.library import families, presets
-from vgroove.addon.library.search import WORDS, search
+from vgroove.addon.library.search import WORDS, nearest, search
 
 # What somebody types, and what has to come first: an id, or the beginning of one.
 FIRST = """
@@ -17,7 +17,8 @@ mirror finished_metals/; ring finished_metals/; foil finished_metals/aluminium_f
 patina time_varying/copper_patina; corroded time_varying/; anodised finished_metals/anodised; old paper/parchment
 galvanised finished_metals/galvanised_steel; "brushed copper" finished_metals/copper_brushed; knife finished_metals/
 "polished gold" finished_metals/gold_polished; cast finished_metals/cast_iron; mercury metals/mercury
-car car_paints/; paint paints/; wall diffuse/; lacquer paints/; "car paint" car_paints/; gloss paints/
+car car_paints/; "red car" car_paints/; "black car paint" car_paints/black
+paint paints/; wall diffuse/; lacquer paints/; "car paint" car_paints/; gloss paints/
 "red paint" paints/red_paint; "matte black" paints/black_paint_matte; chalkboard paints/chalkboard; piano paints/
 plastic plastics/; "red plastic" plastics/red_plastic; acrylic plastics/pmma; plexiglass plastics/pmma
 perspex plastics/pmma; lego plastics/abs; toy plastics/abs
@@ -81,6 +82,17 @@ def test_every_word_has_to_be_found():
     assert both == {"finished_metals/copper_polished"}
     assert presets.search("copper zzz") == []
     assert len(presets.search("  ")) == len(presets.all_presets())
+
+
+def test_where_nothing_has_every_word_the_last_ones_count():
+    """In the panel; a script gets what it asked for."""
+    everything = presets.all_presets().values()
+    words, found = nearest("scratched old oak", everything)
+    assert words == "oak"
+    assert found == presets.search("oak")
+    assert nearest("red oak zzz", everything) == ("zzz", [])
+    assert nearest("red car", everything)[0] == "red car"
+    assert nearest("  ", everything)[1] == list(everything)
 
 
 @pytest.mark.parametrize("group", WORDS["same"], ids=lambda group: group[0])

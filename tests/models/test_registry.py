@@ -50,7 +50,7 @@ def title(preset):
     return "-".join((preset.model, preset.kind, *preset.flags))
 
 
-def pairs(count=200):
+def pairs(count=60):
     """wi and wo over the upper hemisphere, (count, 3), none nearer the horizon than 0.6 degrees."""
     z, phi = np.random.default_rng(1982).random((2, 2, count))
     return (spherical(np.arccos(0.01 + 0.99 * z[k]), 2.0 * np.pi * phi[k]) for k in range(2))

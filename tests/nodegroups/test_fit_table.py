@@ -14,7 +14,7 @@ from vgroove.addon.choose import advice
 from vgroove.addon.reference.cook_torrance_fit import FUNCTIONS, interpolated, tables
 from vgroove.lab.check.cook_torrance import materials
 from vgroove.lab.check.rows import SETUPS
-from vgroove.nodegroups import fit_table
+from vgroove.nodegroups import REVISION_KEY, fit_table
 from vgroove.nodegroups.versions import empty_material
 
 pytestmark = pytest.mark.blender
@@ -30,7 +30,7 @@ def numbers(image):
 def images():
     import bpy
 
-    return [image for image in bpy.data.images if image.name.startswith(fit_table.NAME)]
+    return [image for image in bpy.data.images if image.name.startswith(fit_table.TABLE.name)]
 
 
 def build(fresnel="schlick", estimator="fit", backend="nodes"):
@@ -39,7 +39,7 @@ def build(fresnel="schlick", estimator="fit", backend="nodes"):
 
 def test_the_image_holds_the_table(blender):
     """To the last digit, as numbers and not as colours, and small enough for Simplify to leave it alone."""
-    image = fit_table.ensure()
+    image = fit_table.TABLE.ensure()
     np.testing.assert_array_equal(numbers(image), fit_table.pixels())
     assert image.is_float
     assert image.packed_file
@@ -54,10 +54,10 @@ def test_all_materials_share_one_image(blender):
     build("dielectric", "fit", "osl")
     build("schlick", "hybrid")
     (old,) = images()
-    old[fit_table.REVISION_KEY] = fit_table.REVISION - 1
-    new = fit_table.ensure()
+    old[REVISION_KEY] = fit_table.TABLE.revision - 1
+    new = fit_table.TABLE.ensure()
     assert new is not old
-    assert fit_table.ensure() is new
+    assert fit_table.TABLE.ensure() is new
 
 
 def test_the_image_travels_with_a_material(blender, tmp_path):
@@ -84,10 +84,10 @@ def test_a_deleted_image_comes_back(blender):
     made = build()
     build("dielectric", "hybrid", "osl")
     groups = {group.name for group in blender.data.node_groups}
-    assert not fit_table.nodes_without_table()
+    assert not fit_table.TABLE.nodes_without()
     for by in ("advice", "rebuild"):
-        blender.data.images.remove(fit_table.ensure())
-        assert fit_table.nodes_without_table()
+        blender.data.images.remove(fit_table.TABLE.ensure())
+        assert fit_table.TABLE.nodes_without()
         if by == "advice":
             shown = blender.context.scene
             found = {p.key: p for p in advice.problems_with(shown, materials()["schlick"], "nodes", "fit")}
@@ -95,7 +95,7 @@ def test_a_deleted_image_comes_back(blender):
             found["table"].fix()
         else:
             rebuild(made, blender.context.scene)
-        assert not fit_table.nodes_without_table()
+        assert not fit_table.TABLE.nodes_without()
         (image,) = images()
         np.testing.assert_array_equal(numbers(image), fit_table.pixels())
         assert {group.name for group in blender.data.node_groups} == groups

@@ -17,9 +17,10 @@ import bpy
 import pytest
 
 from vgroove import headless, nodegroups
+from vgroove.addon.blender.groups import TABLES
 from vgroove.addon.blender.material import BACKENDS, Choice, build, lamps_to_bind
 from vgroove.lab.report.findings import DEFAULT
-from vgroove.nodegroups import REVISION_KEY, absorption, fit_table, ramp, versions
+from vgroove.nodegroups import REVISION_KEY, absorption, ramp, versions
 
 from ..models.test_registry import EXAMPLES
 from ..scenes import add_light
@@ -94,7 +95,9 @@ def every_group():
         add_light(scene, shape, "AREA", size=0.2).data.shape = shape
     for preset, backend in product(EXAMPLES, BACKENDS):
         for estimator in preset.spec.estimators:
-            build(preset, Choice(backend, estimator, lamps_to_bind(scene, estimator, preset.model)))
+            lamps = lamps_to_bind(scene, estimator, preset.model)
+            for bounces in {False, preset.can_bounce}:
+                build(preset, Choice(backend, estimator, lamps, bounces=bounces))
     for color in (False, True):
         ramp.group(color=color)
     nodegroups.ensure(absorption.NAME, absorption.REVISION, absorption.build)
@@ -107,7 +110,8 @@ def test_a_group_that_changed_has_a_new_revision(blender, request):
         return
     with headless.quiet():
         found = {group.name: [group[REVISION_KEY], content(group)] for group in every_group()}
-    found[fit_table.NAME] = [fit_table.REVISION, digest(plain(fit_table.pixels().ravel().tolist()))]
+    for table in TABLES:
+        found[table.name] = [table.revision, digest(plain(table.pixels().ravel().tolist()))]
     known = tomllib.loads(TABLE.read_text(encoding="utf-8"))
     changed = sorted(name for name in found.keys() & known.keys() if found[name][1] != known[name][1])
     stale = [name for name in changed if found[name][0] <= known[name][0]]

@@ -153,7 +153,8 @@ def check(model, estimator, kinds, *, sized):
         return
     old = not versions.since(5, 0)
     with lit(kinds, sized=sized) as (stage, overflows):
-        made = build(preset, Choice("nodes", estimator, lamps_to_bind(stage, estimator, preset.model)))
+        bound = lamps_to_bind(stage, estimator, preset.model)
+        made = build(preset, Choice("nodes", estimator, bound, bounces=preset.can_bounce))
         if not old and model != "paint":
             textured(made)
         if not old:

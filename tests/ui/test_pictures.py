@@ -78,7 +78,7 @@ def test_a_picture_that_is_not_ready_follows_its_preset(extension, folder):
 
     save(extension, "Old Gold")
     pictures._look()
-    (process,) = pictures._running.values()
+    ((process, _),) = pictures._running.values()
     with headless.quiet():
         extension.ops.vgroove.rename_preset(name="Older Gold")
     assert process.poll() is not None
@@ -114,13 +114,14 @@ def test_switched_off_it_leaves_no_process_behind(extension, folder, monkeypatch
 
     save(extension, "Old Gold")
     save(extension, "Bad Gold")
-    monkeypatch.setattr(pictures, "command", lambda _one: [sys.executable, "-c", "raise SystemExit(3)"])
+    monkeypatch.setattr(pictures, "command", lambda _one: [sys.executable, "-c", "raise OSError('disk full')"])
     work()
-    assert "no picture of mine/bad_gold: Blender in the background ended with 3" in capfd.readouterr().out
+    told = capfd.readouterr().out
+    assert "no picture of mine/bad_gold: Blender in the background ended with 1: OSError: disk full" in told
     monkeypatch.setattr(pictures, "command", lambda _one: [sys.executable, "-c", "import time; time.sleep(60)"])
     pictures.request("mine/old_gold")
     pictures._look()
-    (process,) = pictures._running.values()
+    ((process, _),) = pictures._running.values()
     pictures.unregister()
     assert process.poll() is not None
     assert not extension.app.timers.is_registered(pictures._look)

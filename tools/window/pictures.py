@@ -23,7 +23,12 @@ import package  # noqa: E402
 from session import Session  # noqa: E402
 
 STEPS = Path(__file__).with_name("steps_pictures.py")
-SCENARIOS = {"panel": ("panel", "grid"), "nodes": ("nodes",), "assets": ("assets",)}  # and the pictures of each
+SCENARIOS = {
+    "panel": ("panel", "grid"),
+    "nodes": ("nodes",),
+    "assets": ("assets",),
+    "viewer": ("viewer",),
+}  # and the pictures of each
 LARGEST = 200_000  # bytes
 
 

@@ -76,3 +76,31 @@ def assets(hands: Any) -> Steps:
     yield from hands.move(area.x + 50, area.y + 50)
     yield 5.0
     hands.picture("assets", (area.x, area.y, area.width, area.height))
+
+
+def viewer(hands: Any) -> Steps:
+    """Lobes of copper and red plastic on a ball, with the panel."""
+    area = hands.area("VIEW_3D")
+    with hands.within(area):
+        bpy.ops.object.delete()
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=1.0)
+        bpy.ops.object.shade_smooth()
+    settings, library = bpy.context.scene.vgroove, "bl_ext.user_default.vgroove.addon"
+    presets, material = (sys.modules[f"{library}.{one}"] for one in ("library.presets", "blender.material"))
+    settings.preset = "lecture/copper"
+    bpy.ops.vgroove.apply()
+    shown = bpy.context.scene.vgroove_viewer
+    shown.other = material.build(presets.find("plastics/red_plastic"), material.Choice())
+    shown.place, shown.log, shown.show, shown.size = "POINT", True, True, 1.0
+    shown.point, shown.normal = (0.42, -0.37, 0.83), (0.42, -0.37, 0.83)
+    shown.light_from, shown.theta, shown.phi = "ANGLES", 1.05, 1.0
+    yield from hands.tab(area, "V-Groove")
+    view = area.spaces.active.region_3d
+    view.view_distance, view.view_location = 5.6, (-0.2, -0.2, 0.1)
+    region = hands.region(area, "UI")
+    yield from hands.click((region.x + 100, region.y + region.height - 20))  # closes the first panel
+    yield from hands.unfold(area, "VGROOVE_PT_viewer", ("VGROOVE_PT_viewer", *SUBPANELS))
+    yield from hands.move(area.x + 60, area.y + 60)
+    yield 2.0
+    window = hands.region(area, "WINDOW")
+    hands.picture("viewer", (window.x, window.y, region.x + region.width - window.x, window.height - 60))

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Any isotropic material as a MERL table, measured in Cycles: every entry is one pixel.
+
+A sphere has every normal, and a custom camera sends each pixel to the point whose normal, under a sun at +z and seen
+along the ray, has the entry's half and difference angles. So no entry is interpolated, and all take one sample each.
+Only light that is reflected where it arrives counts: nothing bounces, and nothing casts a shadow.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..library.errors import InputError
+from ..measured.merl import INVALID, PHI_D, THETA_D, THETA_H, rows
+from ..reference.directions import above
+from . import gonio
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from bpy.types import Material, Scene
+    from numpy.typing import NDArray
+
+BAND = 10  # theta_h of one render, so that progress shows and a measurement can be resumed
+BANDS = THETA_H // BAND
+TURN = 77.0  # degrees, by which the first band is measured again
+SAME = 0.01  # share of its sum that the turned band may differ by
+
+
+class AnisotropicError(InputError):
+    """A material whose reflection depends on the azimuth, or on the place."""
+
+
+def bands(
+    make: Callable[[Scene], Material], *, first: int = 0, samples: int = 1, seed: int = 0, shading_osl: bool = False
+) -> Iterator[NDArray[np.float64]]:
+    """f in 1/sr of the entries of each band of theta_h, (3, BAND, 90, 180), from band ``first`` on.
+
+    -1 below the horizon. make: the material, given the lit scene. AnisotropicError if a band that is measured turned
+    differs.
+    """
+    with gonio.stage((PHI_D[0], BAND * THETA_D), samples=samples, seed=seed, shading_osl=shading_osl) as scene:
+        scene.cycles.max_bounces = 0
+        (lamp,) = gonio.light(scene, gonio.Geometry())
+        lamp.data.use_shadow = False
+        gonio.sphere(scene, make(scene))
+        camera = gonio.camera_of(scene, "merl_camera", first=0.0, phi=0.0)
+
+        def measured(band: int, phi: float = 0.0) -> NDArray[np.float64]:
+            camera.cycles_custom["first"], camera.cycles_custom["phi"] = float(BAND * band), phi
+            return _as_entries(gonio.rendered(scene), band)
+
+        if first == 0:
+            _check_isotropic(measured(BANDS // 2), measured(BANDS // 2, TURN))
+        for band in range(first, BANDS):
+            yield measured(band)
+
+
+def _as_entries(image: NDArray[np.float32], band: int) -> NDArray[np.float64]:
+    """The sun's radiance f cos(theta_i) as f. Differences of equal terms (``corrected``) may round to below 0."""
+    radiance = np.maximum(image.reshape(BAND, THETA_D, PHI_D[0], 3).astype(np.float64), 0.0)
+    found = np.full((3, *radiance.shape[:3]), INVALID)
+    for index, (wi, wo) in enumerate(list(rows(PHI_D[0]))[band * BAND : (band + 1) * BAND]):
+        lit = above(wi, wo)
+        found[:, index, lit] = (radiance[index][lit] / wi[lit][:, 2:]).T
+    return found
+
+
+def _check_isotropic(there: NDArray[np.float64], turned: NDArray[np.float64]) -> None:
+    total = float(np.maximum(there, 0.0).sum())
+    off = float(np.abs(there - turned).sum()) / total if total else 0.0
+    if off > SAME:
+        message = (
+            f"the material differs by {100.0 * off:.2g} % when it is turned by {TURN:g} degrees; MERL tables are for "
+            "isotropic surfaces that are alike everywhere: take out textures and anisotropy, or raise --samples"
+        )
+        raise AnisotropicError(message)

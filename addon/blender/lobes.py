@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lobes of materials at a point of a scene: where the light is from there, and the surface to draw."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from itertools import count
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from mathutils import Matrix, Vector
+
+from ..reference import lobe, rendered
+from . import material
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from bpy.types import Depsgraph, Material, Object, Scene
+
+    from ..library.preset import Preset
+    from ..reference.directions import Floats
+    from ..reference.lobe import Lobe
+
+T = TypeVar("T")
+BRDF = "f"  # the whole, beside the terms "D", "G" and "F"
+MOST_KEPT = 32  # lobes and slices: of two materials, under the lights of several viewports
+DIGITS = 7  # of a direction; Blender's matrices hold float32
+FARTHEST = 0.9  # cosine: an axis that is nearer to the normal gives no tangent
+
+
+def frame(point: Sequence[float], normal: Sequence[float], tangent: Sequence[float] = (1.0, 0.0, 0.0)) -> Matrix:
+    """From the local frame at a point, whose z axis is the normal, into the world.
+
+    The x axis is ``tangent`` as far as it lies in the surface, or the world's Y axis where it is along the normal.
+    """
+    z = Vector(normal).normalized()
+    along = Vector(tangent).normalized()
+    if abs(along.dot(z)) > FARTHEST:
+        along = Vector((0.0, 1.0, 0.0)) if abs(z.y) <= FARTHEST else Vector((0.0, 0.0, 1.0))
+    x = (along - along.dot(z) * z).normalized()
+    y = z.cross(x)
+    rows = [[*axes, place] for axes, place in zip(zip(x, y, z, strict=True), point, strict=True)]
+    return Matrix([*rows, [0.0, 0.0, 0.0, 1.0]])
+
+
+def surface_at(scene: Scene, depsgraph: Depsgraph, start: Vector, direction: Vector) -> tuple[Vector, Vector] | None:
+    """Point and normal, toward ``start``, of the surface that a ray meets first; None if it meets none."""
+    hit, point, normal, *_ = scene.ray_cast(depsgraph, start, direction)
+    if not hit:
+        return None
+    return point, normal if normal.dot(direction) < 0.0 else -normal
+
+
+def toward(lamp: Object, point: Sequence[float]) -> Vector:
+    """To a light from a point, in world; a sun is as far away along its own Z axis everywhere."""
+    if lamp.data.type == "SUN":
+        return lamp.matrix_world.col[2].to_3d().normalized()
+    return (lamp.matrix_world.translation - Vector(point)).normalized()
+
+
+def local(direction: Vector, at: Matrix) -> Floats:
+    """A direction of the world in the frame ``at``, of unit length to float64's digits."""
+    w = np.array(at.to_3x3().transposed() @ direction, dtype=np.float64)
+    w = np.round(w / np.linalg.norm(w), DIGITS)
+    return w / np.linalg.norm(w)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """A material as it was seen last: its preset, f and terms by name, and a number of its own."""
+
+    preset: Preset
+    brdfs: dict[str, Any]
+    isotropic: bool
+    number: int
+
+
+@dataclass(frozen=True)
+class Slice:
+    """theta_o (n,) in degrees, negative on the light's side, and what is drawn there, (n, 3)."""
+
+    theta_o: Floats
+    rgb: Floats
+
+
+_seen: dict[int, _Seen] = {}  # by the material's session_uid
+_numbers = count()
+_results: OrderedDict[tuple[Any, ...], Any] = OrderedDict()
+
+
+def of_material(of: Material, wi: Floats, times: str = "one", term: str = BRDF) -> Lobe | None:
+    """The lobe of a material as it is now; None without the term, and where the light is below the surface.
+
+    Numbers are those of the material's inputs; textures are not read. MaterialError if it was not made by vgroove.
+    The same material under the same light gives the same object.
+    """
+
+    def evaluated(seen: _Seen) -> Lobe:
+        return lobe.lobe(seen.brdfs[term], wi, times, isotropic=seen.isotropic)
+
+    return _kept(of, wi, times, term, evaluated)
+
+
+def slice_of(of: Material, wi: Floats, times: str = "one", term: str = BRDF) -> Slice | None:
+    """The slice through the plane of incidence of what ``of_material`` shows."""
+
+    def evaluated(seen: _Seen) -> Slice:
+        theta = lobe.slice_angles(wi)
+        wo = lobe.slice_directions(theta, float(np.degrees(np.arctan2(wi[1], wi[0]))))
+        return Slice(theta, lobe.weighted(seen.brdfs[term](wi, wo), wi, wo, times))
+
+    return _kept(of, wi, times, term, evaluated)
+
+
+def _kept(of: Material, wi: Floats, times: str, term: str, evaluated: Callable[[_Seen], T]) -> T | None:
+    preset = material.origin_of(of).preset
+    seen = _seen.get(of.session_uid)
+    if seen is None or seen.preset != preset:
+        model = preset.reference()
+        brdfs = {BRDF: rendered(model, "direct"), **lobe.terms(model)}
+        seen = _seen[of.session_uid] = _Seen(preset, brdfs, lobe.is_isotropic(model), next(_numbers))
+    if term not in seen.brdfs or wi[2] <= 0.0:
+        return None
+    key = (evaluated.__qualname__, seen.number, *wi.tolist(), times, term)
+    if key not in _results:
+        _results[key] = evaluated(seen)
+        while len(_results) > MOST_KEPT:
+            _results.popitem(last=False)
+    _results.move_to_end(key)
+    return _results[key]
+
+
+def has_term(of: Material, term: str) -> bool:
+    """Whether a material of ours has a term, or the whole."""
+    return term == BRDF or bool(lobe.terms(material.origin_of(of).preset.reference()))
+
+
+def forget() -> None:
+    """All that is kept."""
+    _seen.clear()
+    _results.clear()

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``vgroove fit``: a preset whose lobes come nearest to a measured BRDF."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from enum import StrEnum
+from pathlib import Path  # noqa: TC003 (typer reads annotations)
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+from rich.table import Table
+
+from ..addon.library.errors import InputError
+from ..addon.library.files import FileError, check_writable, write_text
+from ..addon.measured.fit import ANGLES, METRICS, fits
+from ..addon.measured.lobes import KINDS
+from ..addon.models import DEFAULT
+from .info import FileArgument  # noqa: TC001 (typer reads annotations)
+from .options import whole
+from .terminal import one_line, out, say
+
+if TYPE_CHECKING:
+    from ..addon.measured.fit import Fit
+
+LONGEST_NAME = 60 - len(" (fit)")
+
+if TYPE_CHECKING:
+    Metric: TypeAlias = StrEnum
+    Model: TypeAlias = StrEnum
+else:
+    Metric = StrEnum("Metric", {name.upper(): name for name in METRICS})
+    Model = StrEnum("Model", {name.upper(): name for name in KINDS})
+L1, PLAIN = Metric("l1"), Model(DEFAULT)
+
+MODEL_HELP = "cook_torrance: lobes over Oren-Nayar, model car_paint; generator: ABC facets over Lambert"
+METRIC_HELP = "; ".join(f"{name}: {text}" for name, text in METRICS.items())
+
+
+def fit(
+    file: FileArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.toml", help="The preset")],
+    *,
+    lobes: Annotated[int, typer.Option(parser=whole(1, 4), metavar="N", help="At most; generator: at most 3")] = 2,
+    model: Annotated[Model, typer.Option(help=MODEL_HELP)] = PLAIN,
+    metric: Annotated[Metric, typer.Option(help=METRIC_HELP)] = L1,
+) -> None:
+    """Fit a diffuse part and lobes to a measured BRDF, and write them as a preset."""
+    from ..addon import measured
+    from ..addon.library import writing
+    from ..addon.library.presets import parse
+
+    if output.suffix.lower() != ".toml":
+        message = f"{output}: presets are TOML files; name one that ends in .toml"
+        raise InputError(message)
+    if lobes > KINDS[model].most:
+        message = f"--lobes: {model} has at most {KINDS[model].most}, got {lobes}"
+        raise InputError(message)
+    check_writable(output)
+    start = time.perf_counter()
+    table = measured.read(file)
+    stem = "".join(c for c in one_line(file.stem) if c.isprintable()).strip() or "Measured"
+    name = f"{stem[:LONGEST_NAME]} (fit)"
+    digest = hashlib.sha256(file.read_bytes()).hexdigest()[:16]
+    data = f"{one_line(file.name)}, {table.contents.format}, sha256 {digest}"
+    try:
+        found = list(fits(table, name, data, lobes, model, metric))
+    except FileError as error:
+        message = f"{file}: {error}"
+        raise FileError(message) from error
+    text = writing.dumps(found[-1].preset)
+    parse(text, found[-1].preset.id, str(output))
+    write_text(output, text)
+    out.print("share of the reflected light that differs, in %:")
+    out.print(_residuals(found))
+    nearer = found[0].mean / max(found[-1].mean, 1e-12)
+    says = f"{lobes} lobes are {nearer:.2f} times nearer than one; " if lobes > 1 else ""
+    say(f"{says}metric {metric}: {METRICS[metric]}; {time.perf_counter() - start:.1f} s")
+    say(f"wrote {output}")
+
+
+def _residuals(found: list[Fit]) -> Table:
+    """Share of the reflected light that differs, in per cent."""
+    table = Table("light at", *(f"{one.lobes} lobe{'s' * (one.lobes > 1)}" for one in found))
+    for index, angle in enumerate(ANGLES):
+        table.add_row(f"{angle} degrees", *(f"{100.0 * one.residual[index]:.2f}" for one in found))
+    table.add_row("mean", *(f"{100.0 * one.mean:.2f}" for one in found))
+    return table

@@ -1,0 +1,7 @@
+"""The BRDF Viewer, in a real window."""
+
+
+def test_the_lobe_is_drawn_over_the_scene(run):
+    """Where a surface was clicked; behind things it is hidden, edits change it at once, and it leaves nothing."""
+    found = run("steps_viewer", "lobe")
+    assert found["ms"]["changed"] < found["ms"]["same"] + 16.0
