@@ -7,7 +7,7 @@ RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
 PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
-.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window lint check report across documents previews assets package clean
+.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window test-page lint check report across documents previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
@@ -26,14 +26,18 @@ test-4.5: | $(UV)  ## on Blender 4.5 LTS, what depends on the Blender
 test-5.3: | $(UV)  ## on Blender 5.3
 	$(RUN_53) $(PYTEST)
 
-test-all: | $(UV)  ## every row of every grid, on all three, and clicks in a window
+test-all: | $(UV)  ## every row of every grid, on all three, clicks in a window, and the page in a browser
 	$(RUN) $(PYTEST) --cover 0
 	$(RUN_45) $(PYTEST) --cover 0
 	$(RUN_53) $(PYTEST) --cover 0
 	$(MAKE) test-window
+	$(MAKE) test-page
 
 test-window: | $(UV)  ## clicks in a real Blender's window: Debian's, in .cache/window; as root, on Debian
 	$(RUN) pytest tests/window
+
+test-page: | $(UV)  ## the viewer's page in Chromium, which apt-get installs where it is missing; as root, on Debian
+	$(RUN) pytest tests/page
 
 lint: | $(UV)  ## format, lint, types
 	$(RUN) ruff format --check .

@@ -31,7 +31,7 @@ from vgroove.headless import scene  # noqa: E402
 from vgroove.lab.report.findings import DEFAULT  # noqa: E402
 from vgroove.nodegroups import versions  # noqa: E402
 
-collect_ignore = ["window"]  # needs Debian's Blender: `make test-window` names it
+collect_ignore = ["window", "page"]  # need Debian's Blender and Chromium: `make test-window` and `make test-page`
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 
 

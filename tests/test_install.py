@@ -13,7 +13,7 @@ ROOMS = ("addon", "batch", "cli", "headless", "lab", "nodegroups", "osl", "prese
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 UNDER_OTHER_NAMES = {"flip_evaluator": "flip-evaluator", "PIL": "pillow"}
 WITH_BLENDER = {"bpy", "bpy_extras", "mathutils", "addon_utils", "blf", "cycles", "_cycles", "imbuf", "oslquery"}
-WITH_BLENDER |= {"OpenImageIO", "bmesh", "io_scene_gltf2", "pxr"}
+WITH_BLENDER |= {"OpenImageIO", "bmesh", "gpu", "gpu_extras", "io_scene_gltf2", "pxr"}
 
 
 def files():

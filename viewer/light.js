@@ -16,11 +16,12 @@ function density({ x, y, azimuth }, wi, wo) {
   return (beckmannD(turned(h, azimuth), x, y) * h[2]) / (4 * Math.max(dot(wo, h), 1e-9));
 }
 
-const EVEN = 6; // times as many directions by the cosine as from each lobe's facets, for diffuse parts
-
-/** Integral of f cos(theta_i) L(wi) over wi for one view, [R, G, B]; radiance: wi -> [R, G, B]. */
-export function lit(model, wo, radiance, count) {
-  const sum = [0, 0, 0], even = EVEN * count;
+/**
+ * Integral of f cos(theta_i) L(wi) over wi for one view, [R, G, B]; radiance: wi -> [R, G, B].
+ * count: directions from each lobe's facets; even: by the cosine, which diffuse parts need.
+ */
+export function lit(model, wo, radiance, count, even) {
+  const sum = [0, 0, 0];
   const add = (wi) => {
     if (wi[2] <= 0) return;
     let pdf = (even * wi[2]) / Math.PI;
@@ -46,8 +47,8 @@ export function lit(model, wo, radiance, count) {
 }
 
 const WHITE = [1, 1, 1];
-/** Directional albedo E(wo): the integral of f cos over wi. */
-export const albedo = (model, wo, count = 256) => lit(model, wo, () => WHITE, count);
+/** Directional albedo E(wo): the integral of f cos over wi, within 0.003. */
+export const albedo = (model, wo) => lit(model, wo, () => WHITE, 1024, 4096);
 
 // The studio: a gradient from the floor to the ceiling, and three softboxes with soft edges. y is up, z to the viewer.
 const BOXES = [

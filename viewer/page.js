@@ -142,6 +142,9 @@ export function start(models, { registry, presets, shown: first }) {
   function* pictures() {
     try { history.replaceState(null, "", toHash(state, presets)); } catch { /* some viewers of files refuse */ }
     const all = shown(), pick = CHANNELS[state.channel], series = [];
+    const one = state.brdfs[state.selected];
+    yield* lamp.draw(state, all);
+    if (one) yield* slice.draw(state, { model: modelOf(one), name: one.name });
     for (const { name, colour, model } of all) {
       const at = (x) => pick(albedo(model, spherical(radians(Math.min(x, 89)))));
       const values = [];
@@ -149,14 +152,8 @@ export function start(models, { registry, presets, shown: first }) {
       series.push({ name, colour, values, at });
     }
     albedos.draw(series, { xs: ALBEDOS, log: false, unit: "", sub: "share of a white sky, ±0.003", atLeast: 1 });
-    const one = state.brdfs[state.selected];
-    if (one) {
-      const model = modelOf(one);
-      side.warn(Math.max(...series.filter(({ name }) => name === one.name).flatMap(({ values }) => values), 0));
-      yield* lamp.draw(state, all);
-      yield* slice.draw(state, { model, name: one.name });
-      yield* studio.draw(state, all);
-    }
+    if (one) side.warn(Math.max(...series.filter(({ name }) => name === one.name).flatMap(({ values }) => values), 0));
+    yield* studio.draw(state, all);
   }
 
   function turn([azimuth, elevation]) {

@@ -8,7 +8,7 @@ import { DECADES, TIMES, digits, light, value } from "./state.js";
 
 const SLICE = 72, SPHERES = 132; // pixels along a side
 const RING = Math.PI / 360; // normals of a sphere lie on rings of half a degree, as a coat's albedo is kept by angle
-const SAMPLES = 32;
+const FACETS = 32, EVEN = 192; // directions of light for each pixel
 
 /** sRGB of linear light, 0 to 255; brighter than 1 rolls off. */
 function encoded(x) {
@@ -92,7 +92,7 @@ export function spherePlot(title, label, isStudio) {
             const n = [px * ring, py * ring, Math.sqrt(Math.max(1 - (r * ring) ** 2, 1e-9))];
             const axes = frame(n), wo = into(axes, [0, 0, 1]);
             let L;
-            if (isStudio) L = lit(model, wo, (w) => studio(outOf(axes, w)), SAMPLES);
+            if (isStudio) L = lit(model, wo, (w) => studio(outOf(axes, w)), FACETS, EVEN);
             else {
               const wi = into(axes, wiWorld);
               L = wi[2] > 0 ? times(model.evaluate(wi, wo), wi[2] * Math.PI) : [0, 0, 0];

@@ -16,11 +16,10 @@ from .reading import ENDINGS, read
 from .summary import Summary, summarize
 from .table import Contents, Table
 
-__all__ = [
-    "ENDINGS",
 READERS[:] = [open_table]
 
 __all__ = [
+    "ENDINGS",
     "Contents",
     "Merl",
     "Summary",

@@ -52,6 +52,7 @@ EXAMPLES |= {
 EXAMPLES["sum-smooth"] = example("sum", "dielectric", flags=("coupled",), m=0.0, d=1.0, s=1.0)
 EXAMPLES["anisotropic_sum-coupled"] = example("anisotropic_sum", "dielectric", flags=("coupled",), anisotropy=0.8)
 EXAMPLES["cook_torrance-total-reflection"] = example("cook_torrance", "dielectric", eta=0.7)
+EXAMPLES["ward-turned"] = example("ward", "bounded", anisotropy=0.9, rotation=0.3)
 EXAMPLES["anisotropic-turned"] = example("anisotropic", "conductor", anisotropy=0.9, rotation=0.3)
 HELD = {name: of for name, of in EXAMPLES.items() if not of.spec.flaw(of)}  # no metal as a coat
 

@@ -28,7 +28,7 @@ def data(text):
 def test_the_page_is_one_file(tmp_path):
     """Small, without any address, and with the numbers of its presets."""
     path = tmp_path / "page.html"
-    assert view("copper", "plastics/red_plastic", "-o", path) == 0
+    assert view("copper", "copper:m=0.15", "-o", path) == 0
     text = path.read_text(encoding="utf-8")
     assert len(text.encode()) < MOST_BYTES
     addresses = set(
@@ -39,8 +39,9 @@ def test_the_page_is_one_file(tmp_path):
     shown = data(text)
     assert shown["shown"] == 2
     copper = presets.find("copper")
-    assert shown["presets"][0]["name"] == "Copper"
+    assert shown["presets"][0]["name"] == "lecture/copper"
     assert shown["presets"][0]["form"]["parameters"] == {"m": 0.3, "f0": list(copper.parameters["f0"])}
+    assert shown["presets"][1]["form"]["parameters"]["m"] == 0.15
 
 
 def test_sliders_have_the_registrys_ranges():
@@ -72,7 +73,7 @@ def test_a_measured_file_is_a_table(tmp_path):
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert len(text.encode()) < MOST_BYTES
     shown = data(text)["presets"][0]
-    assert shown["name"] == "chrome"
+    assert shown["name"] == "chrome.binary"
     assert shown["form"]["table"]["size"] == [90, 30, 36]
 
 

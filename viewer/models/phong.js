@@ -11,18 +11,21 @@ export function cosinePower(a, b, n) {
   return Math.exp(-0.5 * n * Math.log1p(tan * tan));
 }
 
-/** Lambert and a lobe in 1/sr. */
-export const overLambert = (albedo, specular, lobe, m) => ({
+/** Slopes of a round lobe. */
+export const round = (m) => ({ x: m, y: m, azimuth: 0 });
+
+/** Lambert and a lobe in 1/sr, which is about as wide as that of Beckmann facets of these slopes. */
+export const overLambert = (albedo, specular, lobe, slopes) => ({
   evaluate(wi, wo) {
     if (!above(wi, wo)) return BLACK;
     const value = lobe(wi, wo);
     return albedo.map((rho, c) => rho / Math.PI + specular[c] * value);
   },
-  slopes: [{ x: m, y: m, azimuth: 0 }],
+  slopes: [slopes],
 });
 
 export function reference({ parameters: { albedo, specular, exponent: n } }) {
   const scale = (n + 2) / (2 * Math.PI);
   const lobe = (wi, wo) => scale * cosinePower(wi, [-wo[0], -wo[1], wo[2]], n);
-  return overLambert(albedo, specular, lobe, (2 * n + 1) ** -0.5);
+  return overLambert(albedo, specular, lobe, round((2 * n + 1) ** -0.5));
 }

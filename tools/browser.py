@@ -8,6 +8,8 @@ import json
 import os
 import shutil
 import subprocess
+from pathlib import Path
+from typing import Any
 
 OPTIONS = (
     "--headless", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -33,11 +35,12 @@ def set_up() -> str:
     """The path of Chromium."""
     if found := shutil.which("chromium"):
         return found
-    if os.geteuid() != 0 or not shutil.which("apt-get"):
+    if os.geteuid() != 0 or not Path("/usr/bin/apt-get").exists():
         message = "the page's tests need Chromium: install it, or run them as root on Debian"
         raise UnavailableError(message)
+    apt = "/usr/bin/apt-get"
     for command in (["update"], ["install", "--yes", "--no-install-recommends", *PACKAGES]):
-        done = subprocess.run(["apt-get", *command], capture_output=True, text=True, check=False)
+        done = subprocess.run([apt, *command], capture_output=True, text=True, check=False)
         if done.returncode:
             said = (done.stderr or done.stdout).strip().splitlines() or ["no reason given"]
             message = f"Chromium cannot be installed: apt-get {command[0]} failed: {said[-1]}"
@@ -48,13 +51,16 @@ def set_up() -> str:
 class Browser:
     """A running Chromium with one page, driven by its DevTools protocol over a pipe."""
 
-    def __init__(self, profile):
+    def __init__(self, profile: Path) -> None:
         to_read, self.write = os.pipe()
         self.read, to_write = os.pipe()
         options = " ".join([*OPTIONS, f"--user-data-dir={profile}"])
         command = f"exec {set_up()} {options} --remote-debugging-pipe 3<&{to_read} 4>&{to_write}"
         self.process = subprocess.Popen(
-            ["bash", "-c", command], pass_fds=(to_read, to_write), stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+            ["/bin/bash", "-c", command],
+            pass_fds=(to_read, to_write),
+            stderr=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
         )
         os.close(to_read)
         os.close(to_write)
@@ -63,13 +69,13 @@ class Browser:
         self.session = {"sessionId": self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]}
         self.call("Page.enable")
 
-    def close(self):
+    def close(self) -> None:
         self.process.kill()
         self.process.wait()
         os.close(self.read)
         os.close(self.write)
 
-    def call(self, method, **parameters):
+    def call(self, method: str, **parameters: Any) -> dict[str, Any]:
         """The result of a command; RuntimeError if it fails."""
         self.count += 1
         message = {"id": self.count, "method": method, "params": parameters} | self.session
@@ -81,7 +87,7 @@ class Browser:
                     raise RuntimeError(answer["error"]["message"])
                 return answer["result"]
 
-    def _next(self):
+    def _next(self) -> dict[str, Any]:
         while b"\0" not in self.left:
             more = os.read(self.read, 1 << 20)
             if not more:
@@ -91,7 +97,14 @@ class Browser:
         one, _, self.left = self.left.partition(b"\0")
         return json.loads(one)
 
-    def open(self, path, fragment="", size=(1280, 800), scheme="light", media=""):
+    def open(
+        self,
+        path: Path,
+        fragment: str = "",
+        size: tuple[int, int] = (1280, 800),
+        scheme: str = "light",
+        media: str = "",
+    ) -> list[str]:
         """A page, drawn; returns what went wrong in it. The copy that is opened hands out its handle."""
         text = path.read_text(encoding="utf-8")
         assert text.count(HANDLE[0]) == 1
@@ -104,11 +117,10 @@ class Browser:
         )
         self.call("Page.navigate", url="about:blank")
         self.call("Page.navigate", url=copy.absolute().as_uri() + fragment)
-        return self.run(
-            f"if (document.readyState !== 'complete') await new Promise((r) => addEventListener('load', r)); return {DRAWN}"
-        )
+        self.run("if (document.readyState !== 'complete') await new Promise((r) => addEventListener('load', r))")
+        return self.run(f"return {DRAWN}")
 
-    def run(self, script):
+    def run(self, script: str) -> Any:
         """What the body of an async function returns in the page."""
         found = self.call(
             "Runtime.evaluate", expression=f"(async () => {{ {script} }})()", awaitPromise=True, returnByValue=True
@@ -117,7 +129,7 @@ class Browser:
             raise RuntimeError(found["exceptionDetails"]["exception"]["description"])
         return found["result"].get("value")
 
-    def picture(self, path=None):
+    def picture(self, path: Path | None = None) -> bytes:
         """The page as a PNG; its bytes."""
         content = base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
         if path:
