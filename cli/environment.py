@@ -36,11 +36,11 @@ def versions() -> dict[str, str]:
     return {"vgroove": version("vgroove"), "blender": version("bpy")}
 
 
-def require_packages(*names: str) -> None:
-    """InputError if a package of the extra [report] is missing."""
+def require_packages(*names: str, what: str = "report") -> None:
+    """InputError if a package of the extra [report] is missing, which ``what`` needs."""
     missing = [name for name in names if importlib.util.find_spec(name) is None]
     if missing:
-        message = f"report needs {' and '.join(missing)}; install them with: pip install 'vgroove[report]'"
+        message = f"{what} needs {' and '.join(missing)}; install them with: pip install 'vgroove[report]'"
         raise InputError(message)
 
 

@@ -120,7 +120,7 @@ def plot(
         raise InputError(message)
     check_writable(output)
     if ending != ".csv":
-        require_packages("matplotlib")
+        require_packages("matplotlib", what=f"a {ending} file")
     brdfs = named(names, settings, at_time)
     from ..lab import curves
 

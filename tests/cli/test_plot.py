@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``vgroove plot``: BRDFs as figures and as CSV."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
 from vgroove.addon.library import presets
 from vgroove.addon.reference import Lambert, lobe, spherical
-from vgroove.cli import plot
+from vgroove.cli import environment, plot
 from vgroove.lab import curves, plots
 
 from ..commands import vgroove
@@ -41,6 +44,19 @@ def test_files_of_any_name_are_plotted(line, name):
     for output in ("a.csv", "a.svg", "a.png"):
         done = vgroove("plot", name, "-o", output)
         assert done.code == 0, done.err
+
+
+def test_figures_alone_need_matplotlib(line, monkeypatch):
+    monkeypatch.setattr(environment.importlib.util, "find_spec", lambda _name: None)
+    assert "a .svg file needs matplotlib; install" in line.refuses("plot", "copper", "-o", "a.svg")
+    assert vgroove("plot", "copper", "-o", "a.csv").code == 0
+
+
+def test_it_needs_no_blender(line):
+    code = "import sys; sys.modules['bpy'] = None; from vgroove import cli; cli.main()"
+    command = [sys.executable, "-P", "-c", code, "plot", "copper", "-o", "a.svg"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=line.folder)
+    assert (done.returncode, done.stderr) == (0, "wrote a.svg\n")
 
 
 def test_time_and_set_are_those_of_every_preset(line):
