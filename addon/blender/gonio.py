@@ -336,7 +336,7 @@ def look_down(scene: Scene, width: float, at: tuple[float, float, float] = (0.0,
     scene.camera = item
 
 
-def sphere(scene: Scene, material: Material) -> None:
+def sphere(scene: Scene, material: Material) -> Object:
     """One point of radius 1 at the origin, which Cycles traces as a perfect sphere."""
     mesh = bpy.data.meshes.new("VGroove gonio")
     mesh.from_pydata([(0, 0, 0)], [], [])
@@ -352,3 +352,4 @@ def sphere(scene: Scene, material: Material) -> None:
     group.links.new(points.outputs[0], assign.inputs[0])
     group.links.new(assign.outputs[0], output.inputs[0])
     item.modifiers.new("VGroove gonio", "NODES").node_group = group
+    return item

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 BAND = 10  # theta_h of one render, so that progress shows and a measurement can be resumed
 BANDS = THETA_H // BAND
-TURN = 77.0  # degrees, by which the first band is measured again
+TURN = 77.0  # degrees about the sun's direction, by which a band is measured again
+LEANS = (0.9, 0.4, 0.0)  # radians, of the sphere then
 SAME = 0.01  # share of its sum that the turned band may differ by
 
 
@@ -45,7 +46,7 @@ def bands(
         scene.cycles.max_bounces = 0
         (lamp,) = gonio.light(scene, gonio.Geometry())
         lamp.data.use_shadow = False
-        gonio.sphere(scene, make(scene))
+        ball = gonio.sphere(scene, make(scene))
         camera = gonio.camera_of(scene, "merl_camera", first=0.0, phi=0.0)
 
         def measured(band: int, phi: float = 0.0) -> NDArray[np.float64]:
@@ -53,7 +54,10 @@ def bands(
             return _as_entries(gonio.rendered(scene), band)
 
         if first == 0:
-            _check_isotropic(measured(BANDS // 2), measured(BANDS // 2, TURN))
+            there = measured(BANDS // 2)
+            ball.rotation_euler = LEANS  # and with it what turns around the object: Blender's own tangent, coordinates
+            _check_isotropic(there, measured(BANDS // 2, TURN))
+            ball.rotation_euler = (0.0, 0.0, 0.0)
         for band in range(first, BANDS):
             yield measured(band)
 
