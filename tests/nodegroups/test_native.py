@@ -119,9 +119,11 @@ DECLARED = {
     "dielectric_bsdf": "normal N, vector U, color reflection_tint, color transmission_tint, float roughness_x, "
     "float roughness_y, float ior, string distribution",
     "diffuse": "normal N",
+    "diffuse_toon": "normal N, float size, float smooth",
     "emission": "",
     "generalized_schlick_bsdf": "normal N, vector U, color reflection_tint, color transmission_tint, "
     "float roughness_x, float roughness_y, color f0, color f90, float exponent, string distribution",
+    "microfacet": "string distribution, normal N, vector U, float xalpha, float yalpha, float eta, int refract",
     "microfacet_f82_tint": "string distribution, vector N, vector T, float ax, float ay, color f0, color f82",
     "oren_nayar_diffuse_bsdf": "normal N, color albedo, float roughness",
     "reflection": "normal N, float eta",

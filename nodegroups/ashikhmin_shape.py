@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How ``fit`` of Ashikhmin & Shirley's model shapes its Beckmann lobe for a view: ``shape`` of the reference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..addon.reference import ashikhmin_shirley_fit as fit
+from ..addon.reference.cook_torrance_fit import NARROWEST
+from . import ensure
+from ._tree import Value, clamp, cross, dot, maximum, minimum, scale, sqrt
+from .polynomial import horner2
+from .shading_normal import specular_normal
+
+if TYPE_CHECKING:
+    from . import ashikhmin_shirley as model
+    from ._tree import Number, Tree
+
+NAME = ".VGroove Ashikhmin Shape"
+REVISION = 1
+LEAST = 1e-5  # along B, for axes that are B itself, of which rounding leaves nothing
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The Beckmann lobe as the view sees it, as Metallic BSDF takes it; ``Shape`` of the reference."""
+
+    weight: Value
+    more: Value
+    flat: Value
+    rise: Value
+    mean: Value
+    roughness: Value
+    anisotropy: Value
+    tangent: Value
+
+    @property
+    def parameters(self) -> dict[str, Number]:
+        """Of OSL shaders."""
+        lobe = {"roughness": self.roughness, "lean": self.anisotropy, "axis": self.tangent}
+        return {name: getattr(self, name) for name in ("weight", "more", "flat", "rise", "mean")} | lobe
+
+    @property
+    def slopes(self) -> tuple[Value, Value]:
+        """Along the tangent and across it, as Cycles makes them."""
+        square, aspect = self.roughness**2, sqrt(1.0 - (1.0 - NARROWEST) * self.anisotropy)
+        return minimum(square / aspect, 1.0), minimum(square * aspect, 1.0)
+
+
+def shape(tree: Tree, inputs: model.Inputs) -> Shape:
+    """Through the nested group."""
+    N = specular_normal(tree, inputs.normal)
+    n_u, n_v = inputs.exponents
+    group = ensure(NAME, REVISION, build)
+    node = tree.group(group, N=N, T=inputs.turned_tangent(N), Along=n_u, Across=n_v)
+    return Shape(**{socket.name.lower(): Value(tree, socket) for socket in node.outputs})
+
+
+def build(tree: Tree) -> None:
+    """In units of m_u m_v, the product of both slopes, so that float32 keeps the narrowest."""
+    N, T = (tree.input_vector(name, (0, 0, 1), hide_value=True, tip="Unit vector") for name in ("N", "T"))
+    n_u, n_v = (
+        tree.input_float(name, 100.0, low=0.0, high=1e7, tip=f"Exponent {where}")
+        for name, where in (("Along", "along the tangent"), ("Across", "across it"))
+    )
+    wo, B, table = tree.geometry("Incoming"), cross(N, T), fit.table()
+    with tree.frame("Slopes"):
+        U = sqrt((n_v + 2.0) / (n_u + 2.0))
+        V, unit = 1.0 / U, 2.0 / sqrt((n_u + 2.0) * (n_v + 2.0))
+    with tree.frame("The view"):
+        x, y, z = dot(T, wo), dot(B, wo), maximum(dot(N, wo), 1e-7)
+        d2 = maximum(U * x * x + V * y * y, 1e-14)
+        w = sqrt(unit * d2)
+        at, m = w / (w + z), minimum(sqrt(unit * (d2 + z * z)), 1.0)
+    with tree.frame("How it narrows, and what each closure sends"):
+        k, weight, more, flat, mean = (horner2(table[name].tolist(), at, m) for name in fit.NAMES)
+        k, weight = minimum(maximum(1.0 + at * k, 0.1), 1.0), maximum(1.0 + at * weight, 0.0)
+        fallen = 1.0 - minimum(z, 1.0)
+        rise, mean = fallen**5, clamp(fallen + m * mean) ** 5
+        more, flat = clamp(rise * (at * more)), clamp(1.0 + at * flat)
+    with tree.frame("Squares of its slopes"):
+        lost = (1.0 - k * k) / d2
+        Ux, Vy = U * x, V * y
+        xx, yy, xy = U - lost * Ux * Ux, V - lost * Vy * Vy, -1.0 * (lost * x * y)
+        half = 0.5 * (xx - yy)
+        root = sqrt(half * half + xy * xy)
+    with tree.frame("As Metallic BSDF takes it"):
+        ratio = k / (0.5 * (xx + yy) + root)
+        anisotropy = minimum((1.0 - ratio) / (1.0 - NARROWEST), 1.0)
+        axis = scale(T, half + root) + scale(B, xy + LEAST)
+    for name, value in {
+        "Weight": weight, "More": more, "Flat": flat, "Rise": rise, "Mean": mean,
+        "Roughness": sqrt(sqrt(unit * k)), "Anisotropy": anisotropy,
+    }.items():  # fmt: skip
+        tree.output_float(name, value, tip="As of the reference")
+    tree.output_vector("Tangent", axis, tip="Of the wider slope, not of length 1")

@@ -1,0 +1,8 @@
+    float weight = 1 [[ string label = "Weight", string help = "Of the Beckmann lobe" ]],
+    float more = 0 [[ string label = "More", string help = "What Ashikhmin-Shirley adds to it" ]],
+    float flat = 1 [[ string label = "Flat", string help = "Share of the highlight that it sends" ]],
+    float rise = 0 [[ string label = "Rise", string help = "What Schlick's F adds at the normal" ]],
+    float mean = 0 [[ string label = "Mean", string help = "The same, on average over the highlight" ]],
+    float roughness = 0.3 [[ string label = "Lobe Roughness" ]],
+    float lean = 0 [[ string label = "Lobe Anisotropy" ]],
+    vector axis = 0 [[ string label = "Lobe Tangent" ]],
