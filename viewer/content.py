@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..addon.library.errors import InputError
-from ..addon.measured import Merl, tabulate
+from ..addon.measured import Merl, open_table, tabulate
 from ..addon.models import MODELS, fresnel
 from ..addon.reference.facet_distribution import FORMULAS
 from . import bundle
@@ -25,7 +25,9 @@ STOPS = 200  # positions of a slider
 
 
 def form(preset: Preset) -> dict[str, Any]:
-    """What decides a preset's BRDF. InputError if the viewer has no such model."""
+    """What decides a preset's BRDF. InputError if the viewer lacks its model, or its table cannot be read."""
+    if preset.table is not None:
+        return {"table": table(open_table(preset.table).table)}
     if preset.model not in bundle.models():
         message = f"{preset.id}: the page has no formula for the model {preset.model}; view another preset"
         raise InputError(message)

@@ -54,6 +54,7 @@ OPTIONS = sorted(number_options())
 NEEDED = {
     "render": ["copper", "-o", "a.png"], "measure": ["copper", "-o", "a.exr"], "explain": ["copper"],
     "batch": ["job.toml", "-o", "out"], "plot": ["copper", "-o", "a.svg"],
+    "view": ["copper", "-o", "a.html"], "fit": ["a.binary", "-o", "a.toml"],
 }  # fmt: skip
 
 

@@ -71,7 +71,7 @@ def test_examples_hold(name):
 
 
 def test_it_needs_numpy_alone():
-    """And of vgroove the reference, errors and files."""
+    """And of vgroove the models, errors and files."""
     program = (
         "import sys; before = set(sys.modules)\n"
         "from vgroove.addon.measured import read\n"
@@ -86,6 +86,6 @@ def test_it_needs_numpy_alone():
     assert rooms.split() == [
         "vgroove",
         "vgroove.addon",
-        *(f"vgroove.addon.{one}" for one in ("library", "measured", "reference")),
+        *(f"vgroove.addon.{one}" for one in ("library", "measured", "models", "reference")),
     ]
     assert library.split() == ["vgroove.addon.library.errors", "vgroove.addon.library.files"]

@@ -9,6 +9,7 @@ import pytest
 
 from vgroove.addon.library import presets
 from vgroove.addon.library.errors import InputError
+from vgroove.addon.library.preset import Preset
 from vgroove.addon.measured import Merl, tabulate, write_merl
 from vgroove.addon.models import MODELS, PARAMETERS
 from vgroove.cli import app, run
@@ -47,7 +48,7 @@ def test_the_page_is_one_file(tmp_path):
 def test_sliders_have_the_registrys_ranges():
     """Each stop is within the range, from one end to the other, and tips are the registry's."""
     specs = content.registry()["specs"]
-    assert specs.keys() == MODELS.keys()
+    assert specs.keys() == {name for name, spec in MODELS.items() if spec.table is None}
     for spec in specs.values():
         for one in (*spec["parameters"], *spec["lobes"]):
             known = PARAMETERS[one["name"]]
@@ -75,6 +76,11 @@ def test_a_measured_file_is_a_table(tmp_path):
     shown = data(text)["presets"][0]
     assert shown["name"] == "chrome.binary"
     assert shown["form"]["table"]["size"] == [90, 30, 36]
+
+
+def test_so_is_a_preset_of_one():
+    preset = Preset("mine/table", "Table", "measured", "half", {}, {}, table=MODELS["measured"].table)
+    assert content.form(preset)["table"]["size"] == (90, 30, 36)
 
 
 def test_an_anisotropic_table_is_refused():
