@@ -60,4 +60,5 @@ MODEL = Model(
     principled=_as_principled,
     is_diffuse=True,
     mirrors=False,
+    most_lights_4_5={"corrected": 6},
 )
