@@ -72,7 +72,7 @@ export function lobePlot(title, actions) {
   const canvas = h("canvas"), corner = h("div", { class: "corner" });
   const marks = ["n", "light", "mirror"].map((text) => h("span", { class: "mark" }, text));
   made.plot.append(canvas, ...marks, corner);
-  const gl = canvas.getContext("webgl2", { antialias: true, premultipliedAlpha: true, preserveDrawingBuffer: true });
+  const gl = canvas.getContext("webgl2", { antialias: false, premultipliedAlpha: true, preserveDrawingBuffer: true });
   if (!gl) {
     made.plot.append(h("p", { class: "note" }, "The 3D lobe needs WebGL2; the plots beside it show the same numbers."));
     return { ...made, update() {}, draw() {} };
@@ -93,8 +93,9 @@ export function lobePlot(title, actions) {
     (dot(p, right) * frame[0] + 1) * 0.5 * size[0], (1 - dot(p, up) * frame[1] + frame[2]) * 0.5 * size[1],
   ];
 
-  function resize() {
-    const box = made.plot.getBoundingClientRect(), ratio = Math.min(devicePixelRatio || 1, 2);
+  /** fine: with twice the pixels, which smooths edges; what moves on a software rasteriser cannot afford them. */
+  function resize(fine) {
+    const box = made.plot.getBoundingClientRect(), ratio = Math.min(devicePixelRatio || 1, 2) * (fine ? 2 : 1);
     size = [Math.max(box.width, 1), Math.max(box.height, 1)];
     const [width, height] = size.map((one) => Math.round(one * ratio));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
@@ -133,9 +134,9 @@ export function lobePlot(title, actions) {
     camera = state.camera;
   }
 
-  function draw(state) {
+  function draw(state, fine) {
     camera = state.camera;
-    resize();
+    resize(fine);
     const views = basis();
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);

@@ -11,7 +11,7 @@ import { slicePlot, spherePlot } from "./pictures.js";
 import { CHANNELS, COLOURS, TIMES, digits, entry, initial, light, ofHash, toHash, value, visible } from "./state.js";
 
 const UNIT = " 1/sr";
-const STEP = 12; // ms of pictures between two frames
+const STEP = 12, PAUSE = 200; // ms of pictures between two frames, and after the last change
 const grid = (from, to, count) => Array.from({ length: count + 1 }, (_, k) => from + ((to - from) * k) / count);
 const VIEWS = grid(-89.9, 89.9, 240), HALVES = grid(0, 89.9, 120).map((x) => (x * x) / 89.9), DIFFERENCES = grid(0, 89.9, 120);
 const ALBEDOS = grid(0, 88, 22);
@@ -20,6 +20,7 @@ export function start(models, { registry, presets, shown: first }) {
   const opened = performance.now();
   let state = ofHash(location.hash, presets) ?? initial(presets.slice(0, first));
   const cache = new WeakMap(); // of an entry: its form as text, and its model
+  const white = new WeakMap(); // of a model: its albedo, RGB at ALBEDOS
   const number = (name, low, high, label) => {
     const input = h("input", { type: "number", min: low, max: high, step: 1, value: state[name], "aria-label": label });
     input.addEventListener("input", () => { state[name] = Math.min(Math.max(Number(input.value) || 0, low), high); changed(); });
@@ -80,21 +81,25 @@ export function start(models, { registry, presets, shown: first }) {
 
   // Drawing: lobe and curves in the next frame, pictures in steps once nothing has changed for a moment.
 
-  let frame = 0, dirty = false, rest = null, timer = 0;
+  let frame = 0, dirty = false, rest = null, timer = 0, smooth = 0;
   function changed() {
     dirty = true;
-    later();
-    clearTimeout(timer);
     rest = null;
-    timer = setTimeout(() => { rest = pictures(); step(); }, 120);
+    clearTimeout(timer);
+    later();
   }
   function later() { frame ||= requestAnimationFrame(draw); }
 
   function draw() {
     frame = 0;
-    if (dirty) curves();
+    if (dirty) {
+      curves();
+      timer = setTimeout(() => { rest = pictures(); step(); }, PAUSE);
+    }
     dirty = false;
-    lobe.draw(state);
+    lobe.draw(state, false);
+    clearTimeout(smooth);
+    smooth = setTimeout(() => lobe.draw(state, true), PAUSE / 2);
     if (performance.getEntriesByName("first").length === 0) performance.measure("first", { start: opened, end: performance.now() });
   }
 
@@ -146,10 +151,10 @@ export function start(models, { registry, presets, shown: first }) {
     yield* lamp.draw(state, all);
     if (one) yield* slice.draw(state, { model: modelOf(one), name: one.name });
     for (const { name, colour, model } of all) {
-      const at = (x) => pick(albedo(model, spherical(radians(Math.min(x, 89)))));
-      const values = [];
-      for (const x of ALBEDOS) { values.push(at(x)); yield; }
-      series.push({ name, colour, values, at });
+      const at = (x) => albedo(model, spherical(radians(Math.min(x, 89)))), known = white.get(model) ?? [];
+      white.set(model, known);
+      while (known.length < ALBEDOS.length) { known.push(at(ALBEDOS[known.length])); yield; }
+      series.push({ name, colour, values: known.map(pick), at: (x) => pick(at(x)) });
     }
     albedos.draw(series, { xs: ALBEDOS, log: false, unit: "", sub: "share of a white sky, ±0.003", atLeast: 1 });
     if (one) side.warn(Math.max(...series.filter(({ name }) => name === one.name).flatMap(({ values }) => values), 0));

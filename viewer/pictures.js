@@ -73,9 +73,11 @@ export function spherePlot(title, label, isStudio) {
   const made = card(title, { label });
   const canvas = h("canvas", { class: "plate", style: "object-fit:contain" });
   made.plot.append(canvas);
+  let drawn = [];
   return {
     ...made,
     * draw(state, models) {
+      if (isStudio && models.length === drawn.length && models.every(({ model }, k) => model === drawn[k])) return;
       const columns = Math.min(Math.max(models.length, 1), models.length > 4 ? 4 : 3), rows = Math.ceil(models.length / columns) || 1;
       const side = Math.floor(SPHERES * Math.min(1.4 / Math.sqrt(columns * rows), 1));
       made.sub.textContent = isStudio ? "three softboxes" : `light at θi ${Math.round(state.thetaI)}° from the viewer`;
@@ -104,6 +106,7 @@ export function spherePlot(title, label, isStudio) {
       }
       Object.assign(canvas, { width: image.width, height: image.height });
       canvas.getContext("2d").putImageData(image, 0, 0);
+      drawn = models.map(({ model }) => model);
     },
   };
 }

@@ -61,7 +61,10 @@ def test_it_draws_without_an_error(chromium, path, size, scheme):
     """From a file, in both colour schemes, wide and narrow: nothing sticks out, and no canvas is blank."""
     assert chromium.open(path, size=size, scheme=scheme) == []
     found = chromium.run(
-        """return {wide: document.documentElement.scrollWidth, back: getComputedStyle(document.body).backgroundColor,
+        """handle.state().log = true; // lobes that fill the picture
+        handle.changed();
+        for (let k = 0; k < 2; k++) await new Promise(requestAnimationFrame);
+        return {wide: document.documentElement.scrollWidth, back: getComputedStyle(document.body).backgroundColor,
           inks: [...document.querySelectorAll("canvas")].map((canvas) => {
             const copy = document.createElement("canvas");
             Object.assign(copy, {width: 64, height: 64});

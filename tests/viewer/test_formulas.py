@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from vgroove.addon.library.preset import Preset
+from vgroove.addon.measured import merl
 from vgroove.addon.models import MODELS, fresnel
 from vgroove.addon.reference.facet_distribution import Term
 from vgroove.viewer import bundle, content
@@ -102,3 +103,32 @@ def test_modules_that_import_each_other_are_refused(tmp_path, monkeypatch):
     (tmp_path / "b.js").write_text('import { a } from "./a.js";\nexport const b = 1;\n', encoding="utf-8")
     with pytest.raises(ValueError, match=r"a\.js imports itself by way of b\.js"):
         bundle.script("a")
+
+
+ATOB = """
+globalThis.atob = (text) => {
+  const letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/", out = [];
+  let bits = 0, count = 0;
+  for (const letter of text.replace(/=+$/, "")) {
+    bits = ((bits << 6) | letters.indexOf(letter)) & 0xffffff;
+    count += 6;
+    if (count >= 8) { count -= 8; out.push(String.fromCharCode((bits >> count) & 255)); }
+  }
+  return out.join("");
+};
+"""
+
+
+def test_a_table_gives_its_cells_means_at_their_centres():
+    """To a 16-bit float's rounding, 2^-11 of the value."""
+    copper = EXAMPLES["cook_torrance-conductor"].reference()
+    table = merl.tabulate(copper.evaluate)
+    i, j, k = np.random.default_rng(5).integers((0, 1, 0), (50, 20, 36), (200, 3)).T
+    theta_h, theta_d, phi_d = ((i + 0.5) / 90) ** 2 * np.pi / 2, (j + 0.5) / 30 * np.pi / 2, (k + 0.5) / 36 * np.pi
+    wi, wo = merl.directions(theta_h, theta_d, phi_d)
+    lit = (wi[:, 2] > 0.2) & (wo[:, 2] > 0.2)  # where no entry of a cell is below the horizon
+    assert lit.sum() > 100
+    cells = np.moveaxis(table.reshape(3, 90, 30, 3, 36, 5).mean(axis=(3, 5)), 0, -1)[i, j, k]
+    form = {"table": content.table(merl.Merl(table))}
+    found = machine.Machine(ATOB + bundle.script("brdf")).evaluate(form, wi[lit], wo[lit])
+    np.testing.assert_allclose(found, cells[lit], rtol=2.0**-11, atol=1e-6 * cells.max())
