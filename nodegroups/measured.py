@@ -52,7 +52,7 @@ def image(of: Measured, kind: str) -> bpy.types.Image:
         made.colorspace_settings.name = "Non-Color"
         made.alpha_mode = "CHANNEL_PACKED"
         made.pack()
-    made.filepath = made.filepath_raw = ""
+    made.filepath_raw = made.packed_files[0].filepath = ""  # no update: it would look for the file that is gone
     made[REVISION_KEY] = REVISION
     return made
 

@@ -93,6 +93,16 @@ def _ward(preset, of):
     return {key: value for key, value in found.items() if key != "roughness"}
 
 
+def _ashikhmin_shirley(_preset, of):
+    """As Phong, but for what enters the surface: below the share Rs of a mixture with a metal."""
+    specular, rough = np.array(of["specular"]), (2.0 / (of["sharpness"] + 2.0)) ** 0.25
+    if specular.max() <= 0.25:
+        index = (1.0 + specular.max() ** 0.5) / (1.0 - specular.max() ** 0.5)
+        return {"color": of["albedo"], "metallic": 0.0, "ior": index, "roughness": rough}
+    total = specular + (1.0 - specular) * np.array(of["albedo"])
+    return {"color": total, "metallic": specular.mean() / total.mean(), "specular": 0.0, "roughness": rough}
+
+
 def _generator(preset, of):
     below, rough = np.array(of["albedo"]), Distribution(preset.distribution).slope ** 0.5
     f0 = np.array(of["specular"]) * preset.reference_fresnel()(1.0)
@@ -107,6 +117,7 @@ def _generator(preset, of):
 
 
 EXPECTED = {
+    "ashikhmin_shirley": _ashikhmin_shirley,
     "phong": _phong,
     "blinn_phong": _phong,
     "ward": _ward,
