@@ -82,6 +82,7 @@ class Task:
         """What decides the pixels, as JSON has it; names, sources and places of files do not."""
         materials = [
             [name, of.model, of.kind, of.flags, sorted(of.parameters.items()), *map(asdict, of.distribution)]
+            + ([of.table.sha256] if of.table else [])
             for name, of in sorted(self.assignments)
         ]
         bounces = self.multiple_scattering and any(of.can_bounce for _, of in self.assignments)

@@ -10,6 +10,7 @@ import pytest
 from vgroove import cli
 from vgroove.addon.library.checks import LONGEST_MESSAGE, PresetError
 from vgroove.addon.library.presets import find
+from vgroove.addon.models import MeasuredTable
 from vgroove.batch import results
 from vgroove.batch.job import DEFAULTS, JobError, load, parse
 
@@ -135,6 +136,8 @@ def test_a_task_is_named_by_all_that_decides_its_pixels_and_nothing_else():
     assert all(one.identity(VERSIONS) == name for one in same)
     other = [
         replace(task, assignments=(("Ball", copper.with_parameters(m=0.31)),)),
+        replace(task, assignments=(("Ball", replace(copper, table=MeasuredTable("a.binary", "0" * 64))),)),
+        replace(task, assignments=(("Ball", replace(copper, table=MeasuredTable("a.binary", "1" * 64))),)),
         replace(task, assignments=(("Gate", copper),)),
         replace(task, digest="0" * 64),
         replace(task, digest="0" * 64, frame=2),
@@ -147,6 +150,8 @@ def test_a_task_is_named_by_all_that_decides_its_pixels_and_nothing_else():
         replace(task, seed=1),
         replace(task, resolution=(64, 64)),
     ]
+    moved = replace(task, assignments=(("Ball", replace(copper, table=MeasuredTable("b.binary", "1" * 64))),))
+    assert moved.identity(VERSIONS) == other[2].identity(VERSIONS)  # the same table in another place
     names = {name, task.identity(VERSIONS | {"blender": "4.5.15"}), *(one.identity(VERSIONS) for one in other)}
     assert len(names) == len(other) + 2
     assert replace(task, dispersion=True).identity(VERSIONS) == name  # copper has no Abbe number
