@@ -6,7 +6,8 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING, Protocol
 
-from ._tree import Value, dot, greater, maximum, output, sqrt
+from . import eevee
+from ._tree import Value, dot, greater, maximum, minimum, output, sqrt
 from .shading_normal import lit, shading_normal, smoothing, specular_normal, typical_smoothing
 
 if TYPE_CHECKING:
@@ -58,6 +59,26 @@ def emission(
         radiance = radiance + irradiance * sends
     emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
     return output(emitted, "Emission")
+
+
+def output_formula(
+    tree: Tree, inputs: Inputs, lobe: Callable[[Value, Value, Value], Value], m: Value, E: Value | float
+) -> None:
+    """The outputs of a formula's group for EEVEE (``eevee``): Lambert by its own closure, the lobe at every light.
+
+    lobe: as of ``emission``. m: the slope of a Beckmann lobe that is as wide, for the world, of whose light the share E
+    is sent back for a white Specular Color.
+    """
+    N, wo, wi = specular_normal(tree, inputs.normal), tree.geometry("Incoming"), eevee.to_light(tree)
+    facing = shading_normal(tree, inputs.normal)
+    diffuse = tree.node("ShaderNodeBsdfDiffuse", Color=inputs.albedo, Roughness=0.0, Normal=facing)
+    lambert, _ = eevee.radiance(tree, output(diffuse, "BSDF"))
+    slope = minimum(m, eevee.WIDEST)
+    world = eevee.world(tree, eevee.mirrored(tree, N, slope), slope)
+    ni, share = dot(N, wi), inputs.specular * E
+    f_cos = lobe(N, wi, wo) * (ni * (greater(ni, 0.0) * greater(dot(N, wo), 0.0)))
+    shown = inputs.specular * (f_cos * eevee.received(tree, wi))
+    eevee.output_formula(tree, lambert + share * world.radiance, world.alpha, Glossy=shown - share * world.factor)
 
 
 def mirror(tree: Tree, inputs: Inputs, draw: Callable[[], tuple[Value, Value]]) -> list[NodeSocket]:

@@ -51,6 +51,10 @@ NODES = {
         "Ward", "finished_metals/rolled_steel_sheet", "Ward's brushed highlight over a color",
         "anisotropic, sheet metal, varnish, 1992",
     ),
+    "ashikhmin_shirley": Entry(
+        "Ashikhmin-Shirley", "ashikhmin_shirley/satin_paint_white_as", "A satin highlight over a color",
+        "satin paint, varnish, 2000",
+    ),
     "phong": Entry("Phong", "phong/phong_red_plastic", "Phong's highlight over a color, as of old", "classic, 1975"),
 }  # fmt: skip
 ESTIMATORS = ("fit", "closure")  # the first that a model has; both render in Cycles and EEVEE

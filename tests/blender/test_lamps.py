@@ -205,7 +205,7 @@ def test_four_lamps_add_up(blender, setup):
             preset = materials()["conductor"]
             bound = lamps_to_bind(stage, "direct")
             made = material.build(preset, material.Choice(setup.backend, "direct", bound, shadows=False))
-            gonio._sphere(stage, made)
+            gonio.sphere(stage, made)
             gonio.look_down(stage, 2.0)
             images.append(gonio.rendered(stage).astype(float))
     *single, together = images

@@ -318,6 +318,6 @@ def ball_under(bpy, kinds, setup, chosen=None, *, estimator="direct", m=0.5, sam
         bound = lamps_to_bind(stage, estimator)
         preset = materials()["schlick"].with_parameters(m=m)
         choice = material.Choice(setup.backend, estimator, bound)
-        gonio._sphere(stage, material.build(preset, choice))
+        gonio.sphere(stage, material.build(preset, choice))
         gonio.look_down(stage, 2.0)
         yield stage, items

@@ -132,7 +132,7 @@ def saved(bpy, path, backend, estimator):
         lamps = lamps_to_bind(stage, estimator) if estimator == "direct" else ()
         # Shadows stay on: tracing is part of what has to survive.
         made = build(materials()["conductor"], Choice(backend, estimator, lamps))
-        gonio._sphere(stage, made)
+        gonio.sphere(stage, made)
         camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         camera.location = (0, 0, 5)
         stage.collection.objects.link(camera)
@@ -162,7 +162,7 @@ def test_mirror_with_a_lamp_of_zero_size_sees_it_by_the_formula(blender):
         with headless.quiet(), gonio.stage((32, 32), samples=1, seed=0, shading_osl=False) as stage:
             gonio.light(stage, gonio.Geometry(40.0))
             lamps = lamps_to_bind(stage, estimator)
-            gonio._sphere(stage, build(preset, Choice("nodes", estimator, lamps, shadows=False)))
+            gonio.sphere(stage, build(preset, Choice("nodes", estimator, lamps, shadows=False)))
             camera = blender.data.objects.new("Camera", blender.data.cameras.new("Camera"))
             camera.location = (0, 0, 5)
             stage.collection.objects.link(camera)

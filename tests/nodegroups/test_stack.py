@@ -109,7 +109,7 @@ def lit(kinds, *, sized):
         stage.view_layers[0].update()
 
         def overflows(made):
-            gonio._sphere(stage, made)
+            gonio.sphere(stage, made)
             return stack_overflows(lambda: gonio.rendered(stage))
 
         yield stage, overflows
