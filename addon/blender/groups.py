@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from importlib import import_module
 from importlib.util import find_spec
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from ... import nodegroups
@@ -16,8 +18,7 @@ from ..models.estimators import NATIVE
 from .choice import Choice, MaterialError, binds
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from types import ModuleType
+    from collections.abc import Callable, Iterator
 
     from bpy.types import ShaderNodeTree
 
@@ -34,6 +35,7 @@ def module_of(model: str, estimator: str) -> ModuleType:
     return import_module(f".{name}", nodegroups.__name__)
 
 
+@cache
 def formula_of(model: str) -> ModuleType | None:
     """The module that builds a model's formula for EEVEE's lights, if it has one."""
     name = f".{model}_eevee"
@@ -41,9 +43,25 @@ def formula_of(model: str) -> ModuleType | None:
     return import_module(name, nodegroups.__name__) if there else None
 
 
-FORMULAS = {name: formula_of(name) for name in MODELS}
-# By model and estimator
-BUILDERS = {name: {one: module_of(name, one) for one in model.estimators} for name, model in MODELS.items()}
+class _Builders(Mapping[str, ModuleType]):
+    """The modules of a model by estimator, each imported when it is asked for: a scene needs few of them."""
+
+    def __init__(self, model: str) -> None:
+        self.model = model
+
+    def __getitem__(self, estimator: str) -> ModuleType:
+        if estimator not in MODELS[self.model].estimators:
+            raise KeyError(estimator)
+        return module_of(self.model, estimator)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(MODELS[self.model].estimators)
+
+    def __len__(self) -> int:
+        return len(MODELS[self.model].estimators)
+
+
+BUILDERS = {name: _Builders(name) for name in MODELS}
 
 
 def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
@@ -76,7 +94,7 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     build = partial(build_group, **arguments)
     if choice.backend == "osl" or choice.estimator not in NATIVE:
         build = partial(_with_closure, build, group_of(preset, Choice("nodes", "closure", bounces=bounces)))
-    elif (formula := FORMULAS[preset.model]) is not None:
+    elif (formula := formula_of(preset.model)) is not None:
         name = f"{formula.NAME} {form.variant(preset)[0]}"
         shown = nodegroups.ensure(name, formula.REVISION, partial(formula.build, **arguments))
         build = partial(_with_formula, build, shown)

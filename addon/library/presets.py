@@ -62,15 +62,14 @@ def _read(path: Path, family: str) -> Preset:
 
 def load_folder(folder: Path) -> dict[str, Preset]:
     """All presets below ``folder`` by id; PresetError on the first that does not hold, or on two of one id."""
-    presets: dict[str, Preset] = {}
+    presets: dict[str, Preset] = {}  # by id without case: file systems that fold case would hold only one of two
     for path in sorted(folder.glob("*/*.toml")):
         preset = load(path)
-        same = next((other for other in presets if other.casefold() == preset.id.casefold()), None)
-        if same is not None:  # file systems that fold case would hold only one of the two
-            message = f"{path.parent.name}/{path.name}: duplicate id, differs from {same} only in case; rename one"
+        same = presets.setdefault(preset.id.casefold(), preset)
+        if same is not preset:
+            message = f"{path.parent.name}/{path.name}: duplicate id, differs from {same.id} only in case; rename one"
             raise PresetError(message)
-        presets[preset.id] = preset
-    return presets
+    return {preset.id: preset for preset in presets.values()}
 
 
 @cache
