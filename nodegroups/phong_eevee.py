@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 from . import over_lambert, phong
@@ -11,7 +10,7 @@ from ._tree import minimum
 from .phong_closure import native
 
 if TYPE_CHECKING:
-    from ._tree import Tree
+    from ._tree import Tree, Value
 
 NAME = ".VGroove Phong EEVEE"
 REVISION = 1
@@ -19,5 +18,8 @@ REVISION = 1
 
 def build(tree: Tree, of: phong.Lobe) -> None:
     inputs = phong.interface(tree, of)
-    lobe = partial(of.value, tree, n=inputs.n)
+
+    def lobe(N: Value, wi: Value, wo: Value) -> Value:
+        return of.value(tree, N, wi, wo, inputs.n)
+
     over_lambert.output_formula(tree, inputs, lobe, of.slope(inputs.n), minimum(native(tree, of, inputs).weight, 1.0))
