@@ -4,6 +4,7 @@ import { card, h, s } from "./dom.js";
 import { DECADES, digits } from "./state.js";
 
 const WIDTH = 320, HEIGHT = 190, LEFT = 40, RIGHT = 14, TOP = 8, BOTTOM = 24;
+const TALLEST = 1.03; // of a curve, in heights of the frame
 
 /** 3 to 6 round numbers from 0 to the peak. */
 function rounded(peak) {
@@ -76,10 +77,14 @@ export function linePlot(title, { range, step, symbol, label, aside }) {
       for (let x = range[0]; x <= range[1]; x += step) {
         labels.push(s("text", { x: toX(x), y: HEIGHT - 9, "text-anchor": "middle" }, `${x}°`.replace("-", "−")));
       }
-      const paths = series.map(({ colour, values }) => s("path", {
-        class: "curve", stroke: colour,
-        d: values.map((v, k) => `${k ? "L" : "M"}${toX(xs[k]).toFixed(1)} ${toY(Math.min(place(v), 1.03)).toFixed(1)}`).join(""),
-      }));
+      const paths = series.map(({ colour, values }) => {
+        const heights = values.map(place), inside = (k) => heights[k] <= TALLEST;
+        const drawn = (k) => inside(k) || inside(k - 1) || inside(k + 1); // what leaves the frame ends there
+        const point = (k) => `${toX(xs[k]).toFixed(1)} ${toY(Math.min(heights[k], TALLEST)).toFixed(1)}`;
+        return s("path", {
+          class: "curve", stroke: colour, d: Array.from(xs, (_, k) => drawn(k) ? (k && drawn(k - 1) ? "L" : "M") + point(k) : "").join(""),
+        });
+      });
       const light = mark === null ? null : s("path", { class: "cross", d: `M${toX(mark)} ${TOP}V${HEIGHT - BOTTOM}` });
       svg.replaceChildren(s("path", { class: "grid", d: grid }), ...labels, ...(light ? [light] : []), ...paths, cross,
         s("path", { class: "axis", d: `M${LEFT} ${TOP}V${HEIGHT - BOTTOM}H${WIDTH - RIGHT}` }));

@@ -64,7 +64,8 @@ def test_it_draws_without_an_error(chromium, path, size, scheme):
         """handle.state().log = true; // lobes that fill the picture
         handle.changed();
         for (let k = 0; k < 2; k++) await new Promise(requestAnimationFrame);
-        return {wide: document.documentElement.scrollWidth, back: getComputedStyle(document.body).backgroundColor,
+        return {lines: [...document.querySelectorAll("path.curve")].map((one) => one.getTotalLength()),
+          wide: document.documentElement.scrollWidth, back: getComputedStyle(document.body).backgroundColor,
           inks: [...document.querySelectorAll("canvas")].map((canvas) => {
             const copy = document.createElement("canvas");
             Object.assign(copy, {width: 64, height: 64});
@@ -74,6 +75,8 @@ def test_it_draws_without_an_error(chromium, path, size, scheme):
           })};"""
     )
     assert found["wide"] <= size[0]
+    assert len(found["lines"]) >= 4 * len(NAMES)
+    assert min(found["lines"]) > 20.0
     assert len(found["inks"]) == 4
     assert min(found["inks"]) > 50  # different colours
     assert (sum(map(int, re.findall(r"\d+", found["back"])[:3])) < 384) == (scheme == "dark")
