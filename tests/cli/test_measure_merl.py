@@ -24,7 +24,7 @@ def materials(scene_line, blender):
     plain = blender.data.materials.new("Plain")
     (node,) = (one for one in versions.nodes_of(plain).nodes if one.bl_idname == "ShaderNodeBsdfPrincipled")
     node.inputs["Specular IOR Level"].default_value = 0.0
-    copper = build(presets.find("metals/copper"), Choice("nodes", "corrected"))
+    copper = build(presets.find("lecture/copper"), Choice("nodes", "corrected"))
     copper.name = "Ours"
     transparent = next(one for one in presets.all_presets().values() if one.transparent)
     glass = build(transparent, Choice("nodes", "closure"))
@@ -58,7 +58,7 @@ def test_a_material_of_ours_is_bound_to_the_instruments_sun(materials):
     """By its own estimator: Exact Lights gives the formula."""
     done = patient("measure", "all.blend", "--material", "Ours", *MERL)
     assert done.code == 0, done.err
-    near(read(materials.folder / "x.binary"), tabulate(presets.find("metals/copper").reference().evaluate), 4e-5)
+    near(read(materials.folder / "x.binary"), tabulate(presets.find("lecture/copper").reference().evaluate), 4e-5)
 
 
 def test_a_measurement_that_stopped_is_resumed(line, monkeypatch):
@@ -76,32 +76,32 @@ def test_a_measurement_that_stopped_is_resumed(line, monkeypatch):
 
     held, stop = first, True
     monkeypatch.setattr(gonio_merl, "bands", bands)
-    assert patient("measure", "metals/copper", *MERL).code == 3
+    assert patient("measure", "lecture/copper", *MERL).code == 3
     assert (line.folder / "x.binary.part").is_file()
     stop = False
-    assert patient("measure", "metals/copper", *MERL).code == 0
+    assert patient("measure", "lecture/copper", *MERL).code == 0
     assert began == [0, 4]
     assert not (line.folder / "x.binary.part").exists()
     table = read(line.folder / "x.binary").table
     assert table[0, :: gonio_merl.BAND, 0, 0] == pytest.approx(0.25 + np.arange(gonio_merl.BANDS))
     stop = True
-    patient("measure", "metals/copper", *MERL)
+    patient("measure", "lecture/copper", *MERL)
     stop = False
     assert patient("measure", "metals/gold", *MERL).code == 0
     assert began[2:] == [0, 0]
     stop = True
-    patient("measure", "metals/copper", *MERL)
+    patient("measure", "lecture/copper", *MERL)
     (line.folder / "x.binary.part").write_bytes(b"PK damaged")
     stop = False
-    assert patient("measure", "metals/copper", *MERL).code == 0
+    assert patient("measure", "lecture/copper", *MERL).code == 0
     assert began[4:] == [0, 0]
 
 
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["metals/copper", "--merl", "-o", "x.exr"], ".binary"),
-        (["metals/copper", *MERL, "--theta-i", 30], "all directions"),
+        (["lecture/copper", "--merl", "-o", "x.exr"], ".binary"),
+        (["lecture/copper", *MERL, "--theta-i", 30], "all directions"),
         (["all.blend", "--material", "Plain", "-o", "x.exr", "--theta-i", 30], "--merl"),
         (["all.blend", "--material", "None", *MERL], 'no material "None"; it has "'),
         (["none.blend", "--material", "Plain", *MERL], "none.blend"),
