@@ -43,7 +43,7 @@ def _flaw(form: Form) -> str:
 
 
 def _as_principled(form: Form) -> principled.Inputs:
-    return {**phong.as_principled(form, SLOPE), **PRINCIPLED}
+    return {**phong.as_principled(form, SLOPE), **principled.ROUGHNESS, **PRINCIPLED}
 
 
 MODEL = Model(

@@ -8,6 +8,7 @@ from vgroove.addon.blender import roles
 from vgroove.addon.library import families, presets
 
 PER_FAMILY = 4
+_stages = []  # of USD, without which their surfaces are gone
 
 
 def several():
@@ -43,6 +44,7 @@ def export(bpy, folder, name="scene"):
         bpy.ops.wm.usd_export(filepath=str(folder / f"{name}.usda"))
     written = json.loads((folder / f"{name}.gltf").read_text(encoding="utf-8"))
     stage = Usd.Stage.Open(str(folder / f"{name}.usda"))
+    _stages.append(stage)
     surfaces = {}
     for prim in stage.Traverse():
         if prim.IsA(UsdShade.Material):
