@@ -143,7 +143,7 @@ def _part(output: Path) -> Path:
 
 
 def _resumed(path: Path, key: str) -> list[NDArray[np.float64]]:
-    """The bands of a measurement that stopped, if it was the same; damaged files begin anew."""
+    """The bands of an interrupted measurement, if it was the same one; a damaged file is started over."""
     try:
         with np.load(path, allow_pickle=False) as held:
             if str(held["key"]) == key:

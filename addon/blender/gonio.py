@@ -272,7 +272,7 @@ def _camera(scene: Scene, geometry: Geometry) -> None:
 
 
 def camera_of(scene: Scene, shader: str, **parameters: float) -> Camera:
-    """Give the scene a camera that runs ``shader``, which is told the resolution and these parameters."""
+    """Give the scene a camera that runs ``shader`` with the resolution and these parameters."""
     import cycles.osl
 
     camera = bpy.data.cameras.new("VGroove gonio")

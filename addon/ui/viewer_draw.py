@@ -2,7 +2,7 @@
 """The BRDF Viewer's lobes, drawn in every 3D viewport; in none of a Blender without a window, and in no render.
 
 The handler runs at each redraw. It reads the material and where the light is, which takes a fraction of a millisecond;
-what the lobe depends on is compared, and only what changed is evaluated and uploaded anew.
+the lobe's inputs are compared, and only what changed is evaluated and uploaded again.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _meshes: OrderedDict[tuple[Any, ...], tuple[Lobe, Any]] = OrderedDict()
 
 
 def draw() -> None:
-    """At each redraw of a viewport, in the scene. What cannot be drawn is told by the panel."""
+    """Called at each redraw of a viewport, in the scene's space. The panel says what cannot be drawn."""
     context = bpy.context
     settings = context.scene.vgroove_viewer
     at, wi = _light(context)

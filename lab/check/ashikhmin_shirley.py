@@ -15,6 +15,7 @@ from ...addon.models.ashikhmin_shirley import SHARPNESS
 from ...addon.models.estimators import NATIVE
 from ...addon.reference import albedo, rendered
 from ...addon.reference.ashikhmin_shirley_fit import slopes
+from .anisotropic import ROTATIONS, SUN_THETAS, TURNS
 from .rows import SETUPS, Plan, Row, Setup, View, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
 from .views import (
@@ -49,10 +50,8 @@ data = "check"
 DEEP = (0.3, 0.2, 0.5)
 SHAPES = ((0.6, 0.5), (1.0, 0.3), (0.45, 0.0), (0.3, 0.8), (0.2, 0.9), (0.1, 0.7))  # Roughness and anisotropy
 FEW_SHAPES = ((0.45, 0.8),)
-TURNS = ((0.0, 0.0, 0.0), (20.0, 35.0, 0.1), (250.0, 110.0, 0.3), (130.0, 300.0, 0.75))  # phi_i, tangent; rotation
-MIRROR_SHAPES, ROTATIONS = ((0.3, 0.8), (0.6, 0.6), (0.8, 1.0)), (0.0, 0.1, 0.3)
+MIRROR_SHAPES = ((0.3, 0.8), (0.6, 0.6), (0.8, 1.0))
 FURNACE_SAMPLES = 1024
-SUN_THETAS = (20.0, 60.0)
 SUN_ANGLE, SUN_SAMPLES = 30.0, {0.3: 5120, 0.6: 7168, 0.8: 15360}
 NOISY_ROWS = 17  # a test holds it to the plan
 

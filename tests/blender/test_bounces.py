@@ -42,16 +42,13 @@ def holds_bounces(made):
 @pytest.mark.parametrize("estimator", ["fit", "closure"])
 @pytest.mark.parametrize("m", [0.05, 0.2, 0.4, 0.7, 1.0])
 def test_a_perfect_mirror_sends_back_all_light(instrument, m, estimator, backend):
-    """Within 0.5 % at every view, of which 0.1 % is noise; without the lobe up to half goes missing at m = 1.
+    """Within 0.5 % at every view, of which 0.1 % is noise.
 
     In Blender 4.5 leaning lobes, which Fit has, send back a little too much themselves.
     """
     choice = Choice(backend, estimator, bounces=True)
     found = albedos(build(white(m), choice), osl=backend == "osl")
     assert np.abs(found - 1.0).max() < 5e-3 + versions.LEANING * m * (estimator == "fit")
-    if m >= 0.4:
-        lost = albedos(build(white(m), Choice(backend, estimator)), osl=backend == "osl", samples=64)
-        assert 1.0 - lost.min() > 0.05
 
 
 @pytest.mark.parametrize("m", [0.4, 1.0])

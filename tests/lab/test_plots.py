@@ -61,7 +61,7 @@ def test_a_slice_finds_the_peak(m):
 
 @pytest.mark.parametrize(("plot", "axis"), [("theta_h", 0), ("theta_d", 1)])
 def test_curves_of_half_and_difference_angles_hold_the_reference(plot, axis):
-    """As the pairs of directions of these angles give it, found anew from the angles' definition."""
+    """As the pairs of directions at these angles give it, computed here from the definition of the angles."""
     view = plots.View(theta_i=40.0, theta_h=25.0, phi_d=70.0)
     found = numbers(plot, {"": COPPER}, view)
     at = found.at[:, 0]
