@@ -7,7 +7,7 @@ RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
 PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
-.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window test-page lint check report across documents previews assets package release clean
+.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window test-page lint check report across documents previews assets package listing release clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
@@ -74,11 +74,16 @@ assets: previews  ## every preset for the Asset Browser, a file for each Blender
 package: assets  ## the extension as dist/vgroove-VERSION.zip, built and validated by Blender's own tool
 	$(RUN) python tools/package.py dist
 
-release: | $(UV)  ## from a clean tree: all that must pass, then zip, wheel, sdist, SHA256SUMS and notes in dist/
+listing: | $(UV)  ## what a web server serves for Get Extensions and as a remote asset library: dist/extensions, dist/library
+	$(RUN) python tools/listing.py extensions dist/extensions
+	$(RUN_53) python tools/listing.py library dist/library
+
+release: | $(UV)  ## from a clean tree: all that must pass, then zip, wheel, sdist, SHA256SUMS, notes and listings in dist/
 	$(RUN) python tools/release.py --clean
 	.ci/run
 	$(MAKE) assets
 	$(RUN) python tools/release.py dist
+	$(MAKE) listing
 
 .tools/uv/bin/uv:  # an environment of its own, as many systems refuse `pip install` outside one
 	python3 -m venv .tools/uv

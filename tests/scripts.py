@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scripts of tools/, as modules."""
 
-import importlib.util
+import importlib
 import sys
 from pathlib import Path
 
@@ -9,9 +9,9 @@ ROOT = Path(__file__).parents[1]
 
 
 def load(name):
-    """A script of tools/ under its own name, as those beside it import it."""
-    if name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
-        sys.modules[name] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[name])
-    return sys.modules[name]
+    """A script under its own name, as those beside it import it."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.remove(str(ROOT / "tools"))
