@@ -41,7 +41,7 @@ def doctor(
     said: list[str] = []
     mended: list[str] = []
     with headless.quiet():
-        stage = scene.open_file(file)
+        stage = scene.open_file(file, for_saving=True)
         found = examining.examine(stage)
         if output is not None:
             said = examining.mend(found)
