@@ -28,7 +28,7 @@ def test_what_to_cite_is_this_version():
 
 
 def test_forms_ask_for_what_is_needed():
-    """Each has a name, ids of its own and something to fill in; reports of pictures ask for versions, scene and account."""
+    """Each has a name, ids of its own and something to fill in; for pictures that is versions, scene and account."""
     assert len(FORMS) == 3
     for path in FORMS:
         form = read(path)
