@@ -95,7 +95,7 @@ def add_file_output(stage, folder):
     if versions.since(5, 0):
         tree = bpy.data.node_groups.new("Compositor", "CompositorNodeTree")
         if versions.since(5, 3):
-            stage.compositor_effects.new().node_group = tree
+            stage.compositor_effects.new("Theft").node_group = tree
         else:
             stage.compositing_node_group = tree
     else:

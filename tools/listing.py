@@ -4,8 +4,8 @@
 python tools/listing.py extensions FOLDER [ZIP]     index.json beside a copy of the zip: a repository of extensions
 python tools/listing.py library FOLDER [ASSETS]     a remote asset library of assets/VERSION/vgroove.blend
 
-Static files; the addresses in them are relative, so that any server and folder will do. A remote library needs
-Blender 5.2 or later, and the newest that it has a file for, as an older Blender does not list what a newer one wrote.
+Static files; the addresses in them are relative, so that any server and folder will do. The library is for Blender 5.3
+and later, and is written by it: 5.2 has remote libraries too, but its command does not know the marks in names of files.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pathlib import Path
 import package
 
 ROOT = Path(__file__).parent.parent
-EARLIEST = (5, 2)  # Blender's with remote libraries
+EARLIEST = (5, 3)  # Blender's whose command knows from a file's name which Blender it suits
 LIBRARY = "vgroove.blend"
 META = {"api_versions": {}, "name": "V-Groove", "contact": {"name": "The vgroove authors"}}
 
@@ -35,7 +35,7 @@ def extensions(folder: Path, archive: Path) -> Path:
 
 
 def versions(assets: Path) -> list[tuple[int, ...]]:
-    """Of the Blenders that have a library in ``assets`` and can have a remote one, the earliest first."""
+    """Of the Blenders that have a library in ``assets`` and can share a remote one, the earliest first."""
     found = (tuple(map(int, path.parent.name.split("."))) for path in assets.glob(f"[0-9]*.[0-9]*/{LIBRARY}"))
     return sorted(version for version in found if version >= EARLIEST)
 
@@ -46,15 +46,15 @@ def library(folder: Path, assets: Path) -> Path:
     The file of the earliest Blender keeps its name; those of later ones say @bMAJOR_MINOR, from which on Blender shows
     them in its place.
     """
+    found = versions(assets)
+    if not found:
+        message = f"{assets}: no library of Blender {'.'.join(map(str, EARLIEST))} or later; make assets writes one"
+        raise FileNotFoundError(message)
     from vgroove import headless
 
     headless.prepare()
     from _bpy_internal.assets import remote_library
 
-    found = versions(assets)
-    if not found:
-        message = f"{assets}: no library of Blender {'.'.join(map(str, EARLIEST))} or later; make assets writes one"
-        raise FileNotFoundError(message)
     folder.mkdir(parents=True, exist_ok=True)
     for version in found:
         source = assets / ".".join(map(str, version))
