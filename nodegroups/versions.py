@@ -13,6 +13,8 @@ import bpy
 from ..addon.reference import cycles
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from bpy.types import Light, Material, NodeTree, Scene, World
 
 TESTED = ((4, 5), (5, 2), (5, 3))
@@ -114,6 +116,13 @@ def write_as(settings: Any, media: str, file_format: str) -> None:
     if since(5, 0):
         settings.media_type = media
     settings.file_format = file_format
+
+
+def compositors() -> Iterator[NodeTree]:
+    """The node trees of compositors, and their groups. 5.0 took them out of the scenes."""
+    yield from (group for group in bpy.data.node_groups if group.bl_idname == "CompositorNodeTree")
+    if not since(5, 0):
+        yield from (scene.node_tree for scene in bpy.data.scenes if scene.node_tree is not None)
 
 
 def has_compositor(scene: Scene) -> bool:

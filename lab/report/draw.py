@@ -99,10 +99,15 @@ def _page(found: list[Run], machine: Machine, plots: dict[str, bytes], pictures:
 
 
 def looks(kept: Pictures, folder: Path) -> Looks | None:
-    """The pictures of a contest as they are shown; None without the reference, and without those that are gone."""
+    """The pictures of a contest as they are shown; None without the reference, and without those that are gone.
+
+    A report names its pictures: those outside its folder, which another report may name, are not shown.
+    """
     from ...addon.blender.images import load, srgb
 
-    there = {name: folder / file for name, file in kept.files.items() if (folder / file).is_file()}
+    root = folder.resolve()
+    found = ((name, folder / file) for name, file in kept.files.items())
+    there = {name: path for name, path in found if path.is_file() and path.resolve().is_relative_to(root)}
     if "reference" not in there:
         return None
     reference = srgb(load(there.pop("reference")))
