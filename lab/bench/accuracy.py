@@ -190,10 +190,10 @@ def _seeds(samples: int) -> int:
 def _render(shown: Stage, samples: int, seed: int) -> Rendered:
     """A render, and how long it took; files are not in that."""
     shown.scene.cycles.samples, shown.scene.cycles.seed = samples, seed
-    clocks: list[tuple[float, float]] = []
+    clocks: list[float] = []
 
     def note(*_: Any) -> None:
-        clocks.append((time.perf_counter(), time.process_time()))
+        clocks.append(time.process_time())
 
     around = (bpy.app.handlers.render_pre, bpy.app.handlers.render_post)
     for handlers in around:
@@ -203,8 +203,8 @@ def _render(shown: Stage, samples: int, seed: int) -> Rendered:
     finally:
         for handlers in around:
             handlers.remove(note)
-    (wall, cpu), (wall_end, cpu_end) = clocks
-    return Rendered(picture.astype(np.float64), wall_end - wall, cpu_end - cpu)
+    start, end = clocks
+    return Rendered(picture.astype(np.float64), end - start)
 
 
 def _scored(
@@ -213,8 +213,7 @@ def _scored(
     """A contender's bias, noise and time at each sample count."""
     exact = truths[:, shown.judged]
     errors = [statistics.error(_judged(renders, shown), exact) for renders in found]
-    timed = [renders[: _seeds(samples)] for samples, renders in zip(counts, found, strict=True)]
-    wall, cpu = ([[getattr(one, clock) for one in renders] for renders in timed] for clock in ("wall", "cpu"))
+    cpu = [[one.cpu for one in of[: _seeds(samples)]] for samples, of in zip(counts, found, strict=True)]
     return Contender(
         estimator=method.estimator, backend=method.backend, peer=method.peer, differs=method.differs,
         seeds=np.array([float(len(renders)) for renders in found]),
@@ -222,7 +221,6 @@ def _scored(
         bias2_error=np.array([one.bias2_error for one in errors]),
         noise=np.array([one.noise for one in errors]),
         resolved=np.array(statistics.resolved([one.noise for one in errors], counts)),
-        wall=np.array([np.median(seconds) for seconds in wall]),
         cpu=np.array([np.median(seconds) for seconds in cpu]),
         cpu_spread=np.array([np.std(seconds, ddof=1) / np.mean(seconds) for seconds in cpu]),
     )  # fmt: skip

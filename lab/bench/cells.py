@@ -27,9 +27,9 @@ class Contender:
 
     peer: "" for ours, "cycles" or "mitsuba". differs: how its model differs from the preset's. bias2: an unbiased
     estimate of bias^2, below 0 by chance where there is next to none; bias2_error: its standard error. noise: of one
-    picture. wall, cpu: median seconds of a render; cpu_spread: the seeds' standard
-    deviation of cpu, as a share. resolved: false if no seed hit the light; noise and bias are then unknown. seeds:
-    pictures by sample count. slope_error: standard error of the slope of log noise, where it was measured.
+    picture. cpu: median seconds of a render; cpu_spread: the seeds' standard deviation of it, as a share. resolved:
+    false if no seed hit the light; noise and bias are then unknown. seeds: pictures by sample count. slope_error:
+    standard error of the slope of log noise, where it was measured.
     """
 
     estimator: str = ""
@@ -39,7 +39,6 @@ class Contender:
     bias2: Numbers
     bias2_error: Numbers
     noise: Numbers
-    wall: Numbers
     cpu: Numbers
     cpu_spread: Numbers
     resolved: Flags

@@ -33,7 +33,7 @@ def contender(bias, noise, per_sample, start=START, counts=COUNTS, **words):
         "bias2": bias2.tolist(), "bias2_error": doubt.tolist(), "cpu_spread": [0.0] * len(n),
         "resolved": [True] * len(n), "seeds": [SEEDS] * len(n),
         "noise": spread.tolist(),
-        "wall": (seconds / 2).tolist(), "cpu": seconds.tolist(),
+        "cpu": seconds.tolist(),
     }  # fmt: skip
 
 

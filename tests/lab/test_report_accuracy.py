@@ -91,9 +91,9 @@ def test_a_furnace_finds_mirror_without_bias_and_closure_with_its_own(monkeypatc
     assert np.all(np.abs(mirror.bias2) < 4.0 * mirror.bias2_error)
     assert closure.bias2[-1] > 10.0 * closure.bias2_error[-1]
     for of in found.contenders.values():
-        assert len(of.bias2) == len(of.wall) == len(of.cpu_spread) == 2
+        assert len(of.bias2) == len(of.cpu) == len(of.cpu_spread) == 2
         assert np.all(of.resolved)
-        assert np.all(np.stack([of.wall, of.cpu]) > 0.0)
+        assert np.all(of.cpu > 0.0)
     rounds = (mirror.seeds[0] - 4) // accuracy.ROUND[64]
     assert rounds in accuracy.ROUNDS
     assert mirror.seeds[1] == 4 + rounds * accuracy.ROUND[256]
