@@ -188,7 +188,7 @@ def test_the_report_in_docs_is_a_summary_of_its_numbers(reported):
     assert text == summary.markdown(reported)
     assert len(text.encode()) < 30_000
     assert {path.stem for path in (ROOT / "docs" / "plots").glob("*.png")} == {
-        f"{kind}-{blender}" for kind in summary.KINDS for blender in reported.runs
+        f"{kind}-{blender}" for kind in summary.PLOTS for blender in reported.runs
     }
     assert (ROOT / published.FILE).stat().st_size < published.LONGEST_FILE
     assert published.to_json(reported) == (ROOT / published.FILE).read_text(encoding="utf-8")
@@ -211,7 +211,7 @@ def test_the_report_in_docs_is_whole_and_of_the_same_code_on_every_blender(repor
 @pytest.mark.parametrize("name", ["errata", "oren_nayar", "fit"])
 def test_what_is_computed_is_computed_again(name, reported):
     """Of what needs no render: to the last digit that is shown, and more."""
-    for title, table in figures.measure(ROOT, name).items():
+    for title, table in figures.measure(name).items():
         kept = reported.default.tables[name][title]
         assert kept.columns == table.columns
         np.testing.assert_allclose(kept.rows, table.rows, rtol=1e-7, atol=1e-9)
