@@ -173,9 +173,9 @@ def test_nothing_breaks_at_the_ends(instrument, estimator, osl):
 
 
 def test_sockets_are_the_same_in_both_backends_and_explained(blender):
-    """Both colours, Roughness, Anisotropy, Rotation, Tangent, Normal, then lamps; each with a tooltip."""
+    """All three colours, Roughness, Anisotropy, Rotation, Tangent, Normal, then lamps; each with a tooltip."""
     for estimator, module in BUILDERS[MODEL.name].items():
-        given = {"radial": False} | ({} if estimator in {"closure", "fit"} else {"lamps": 2})
+        given = {"kind": "plain", "radial": False} | ({} if estimator in {"closure", "fit"} else {"lamps": 2})
         made = [
             nodegroups.ensure(f"{estimator} {index}", 1, partial(one, **given))
             for index, one in enumerate((module.build, module.build_osl))
@@ -188,8 +188,8 @@ def test_sockets_are_the_same_in_both_backends_and_explained(blender):
         assert nodes == osl
         assert all(description for _, _, description in nodes)
         names = [item for item, *_ in nodes if item not in {"BSDF", "Emission"}]
-        assert names[:3] == ["Base Color", "Specular Color", "Roughness"]
-        assert names[3:7] == ["Anisotropy", "Rotation", "Tangent", "Normal"]
+        assert names[:4] == ["Base Color", "Specular Color", "Specular Tint", "Roughness"]
+        assert names[4:8] == ["Anisotropy", "Rotation", "Tangent", "Normal"]
         roughness = made[0].interface.items_tree["Roughness"]
         assert (roughness.subtype, roughness.max_value) == ("FACTOR", 1.0)
         assert roughness.min_value == pytest.approx(SHARPNESS.scale.to_input(1e5), rel=1e-5)
