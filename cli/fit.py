@@ -12,22 +12,18 @@ import typer
 from rich.table import Table
 
 from ..addon.library.errors import InputError
-from ..addon.library.files import FileError, check_writable, write_text
-from ..addon.library.preset import Preset
-from ..addon.measured.fit import ANGLES, METRICS, fits
-from ..addon.measured.library import digest_of, open_table
+from ..addon.library.files import check_writable, write_text
+from ..addon.measured.as_preset import Source
+from ..addon.measured.fit import ANGLES, METRICS
 from ..addon.measured.lobes import KINDS
-from ..addon.models import DEFAULT, MeasuredTable
+from ..addon.models import DEFAULT
 from ..addon.models import measured as measured_model
 from .info import FileArgument  # noqa: TC001 (typer reads annotations)
 from .options import whole
-from .terminal import one_line, out, say
+from .terminal import out, say
 
 if TYPE_CHECKING:
     from ..addon.measured.fit import Fit
-
-FITTED = " (fit)"
-LONGEST_NAME = 60 - len(FITTED)
 
 if TYPE_CHECKING:
     Metric: TypeAlias = StrEnum
@@ -50,7 +46,6 @@ def fit(
     metric: Annotated[Metric, typer.Option(help=METRIC_HELP)] = L1,
 ) -> None:
     """Fit a diffuse part and lobes to a measured BRDF, and write them as a preset."""
-    from ..addon import measured
     from ..addon.library import writing
     from ..addon.library.presets import parse
 
@@ -62,19 +57,11 @@ def fit(
         raise InputError(message)
     check_writable(output)
     start = time.perf_counter()
-    table = measured.read(file)
-    stem = "".join(c for c in one_line(file.stem) if c.isprintable()).strip() or "Measured"
-    digest = digest_of(file)
-    data = f"{one_line(file.name)}, {table.contents.format}, sha256 {digest[:16]}"
+    source = Source.read(file)
     if model == measured_model.MODEL.name:
-        _write_table(output, file, digest, stem[: LONGEST_NAME + len(FITTED)], data)
+        _write_table(output, source)
         return
-    name = f"{stem[:LONGEST_NAME]}{FITTED}"
-    try:
-        found = list(fits(table, name, data, lobes, model, metric))
-    except FileError as error:
-        message = f"{file}: {error}"
-        raise FileError(message) from error
+    found = list(source.fits(lobes, model, metric))
     text = writing.dumps(found[-1].preset)
     parse(text, found[-1].preset.id, str(output))
     write_text(output, text)
@@ -86,18 +73,15 @@ def fit(
     say(f"wrote {output}")
 
 
-def _write_table(output: Path, file: Path, digest: str, name: str, data: str) -> None:
+def _write_table(output: Path, source: Source) -> None:
     """The preset that names the table, without a folder if both lie in one."""
     from ..addon.library import writing
 
+    file = source.path
     together = file.absolute().parent == output.absolute().parent
-    table = MeasuredTable(file.name if together else str(file.absolute()), digest)
-    open_table(MeasuredTable(str(file), digest))  # refuses what cannot be one
-    source = {"data": data, "colour": "measured", "roughness": "measured"}
-    of = measured_model.MODEL
-    preset = Preset("mine/table", name, of.name, next(iter(of.kinds)), {}, source, ("measured",), table=table)
-    write_text(output, writing.dumps(preset))
-    say(f"wrote {output}, which names {table.file}; keep both")
+    stored = file.name if together else str(file.absolute())
+    write_text(output, writing.dumps(source.as_table(stored)))
+    say(f"wrote {output}, which names {stored}; keep both")
 
 
 def _residuals(found: list[Fit]) -> Table:

@@ -14,6 +14,7 @@ from . import (
     apply,
     course,
     export,
+    measured,
     numbers,
     opened,
     operators,
@@ -41,6 +42,7 @@ WITH_CLASSES = (
     shader_editor,
     panels,
     course,
+    measured,
     export,
     viewer,
 )
@@ -60,6 +62,8 @@ def register() -> None:
         thumbnails.register()
         undo.callback(thumbnails.unregister)
         undo.callback(pictures.unregister)
+        measured.register()
+        undo.callback(measured.unregister)
         undo.callback(watch.unregister)
         watch.register()
         colour_update.register()
