@@ -16,9 +16,7 @@ _spec.loader.exec_module(house)
 FOUND, FILES, _ = house.count()
 ASKS = re.compile(r"\bsince\(\d|app\.version\b(?!_string)|hasattr\(bpy")
 # Loaded by nothing that an artist sees yet; scripts in Blender import them.
-FOR_SCRIPTS = {
-    "addon/blender/gonio.py", "addon/blender/gonio_merl.py", "addon/choose/explain.py", "addon/measured/csv_file.py",
-}  # fmt: skip
+FOR_SCRIPTS = {"addon/choose/explain.py", "addon/measured/csv_file.py"}
 
 
 def test_every_file_has_a_room():

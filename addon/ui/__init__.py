@@ -14,6 +14,7 @@ from . import (
     apply,
     course,
     export,
+    measure,
     measured,
     numbers,
     opened,
@@ -43,6 +44,7 @@ WITH_CLASSES = (
     panels,
     course,
     measured,
+    measure,
     export,
     viewer,
 )
@@ -64,6 +66,7 @@ def register() -> None:
         undo.callback(pictures.unregister)
         measured.register()
         undo.callback(measured.unregister)
+        undo.callback(measure.unregister)
         undo.callback(watch.unregister)
         watch.register()
         colour_update.register()
