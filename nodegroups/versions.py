@@ -55,8 +55,6 @@ LEANING = 0.0 if since(5, 0) else 2.6e-3
 cycles.set_version(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
 # Shaders store less on Cycles' stack.
 LEAN_STACK = since(5, 0)
-# On a point cloud's sphere anisotropic closures change when it is turned; in 4.5 they were seen not to.
-POINT_TANGENTS = since(5, 0)
 # Shader nodes can trace a ray (5.1): the Raycast node.
 RAYCAST = hasattr(bpy.types, "ShaderNodeRaycast")
 # Cycles' Principled bends each wavelength by an Abbe number (5.3); its Glass and Refraction nodes do not.

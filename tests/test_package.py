@@ -102,7 +102,7 @@ def test_no_module_of_the_extension_touches_what_blender_refuses(archive):
     """No sys.path changes, no network, no absolute imports of ourselves; no program but another Blender."""
     file = zipfile.ZipFile(archive)
     runs = [name for name in file.namelist() if name.endswith(".py") and b"subprocess" in file.read(name)]
-    assert runs == ["addon/ui/pictures.py"]
+    assert runs == ["addon/ui/background.py"]
     assert b"return [bpy.app.binary_path, *options" in file.read(*runs)
     for name in file.namelist():
         if name.endswith(".py"):
