@@ -27,6 +27,9 @@ from . import (
     thumbnails,
     viewer,
     viewer_draw,
+    viewer_export,
+    viewer_measure,
+    viewer_panel,
     watch,
 )
 
@@ -43,6 +46,9 @@ WITH_CLASSES = (
     course,
     export,
     viewer,
+    viewer_measure,
+    viewer_export,
+    viewer_panel,
 )
 _registered = ExitStack()
 
@@ -72,6 +78,7 @@ def register() -> None:
         undo.callback(delattr, bpy.types.Scene, "vgroove_course")
         bpy.types.Scene.vgroove_viewer = bpy.props.PointerProperty(type=viewer.VGrooveViewer)
         undo.callback(delattr, bpy.types.Scene, "vgroove_viewer")
+        undo.callback(viewer_measure.unregister)
         undo.callback(viewer_draw.unregister)
         viewer_draw.register()
         follow.register()

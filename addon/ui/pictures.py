@@ -25,7 +25,7 @@ import importlib, importlib.util, sys, bpy
 root = {root!r}
 spec = importlib.util.spec_from_file_location({name!r}, root + "/__init__.py", submodule_search_locations=[root])
 sys.modules[spec.name] = importlib.util.module_from_spec(spec)
-importlib.import_module(spec.name + ".addon.choose.picture").main()
+importlib.import_module(spec.name + ".addon." + {module!r}).main()
 """
 _waiting: list[str] = []  # ids, the next one first
 _running: dict[str, tuple[subprocess.Popen[bytes], IO[bytes]]] = {}  # at most one, by id: it, and what it complains of
@@ -93,13 +93,18 @@ def path_of(identity: str) -> Path | None:
 
 def command(identity: str) -> list[str]:
     """The other Blender's command line; empty where Blender is a module of Python and has no program."""
+    return background("choose.picture", identity, str(path_of(identity)))
+
+
+def background(module: str, *arguments: str) -> list[str]:
+    """The command line of another Blender that runs ``main`` of a module of addon/; empty as above."""
     if not bpy.app.binary_path:
         return []
-    script = SCRIPT.format(name="vgroove_pictures", root=str(ROOT))
+    script = SCRIPT.format(name="vgroove_background", root=str(ROOT), module=module)
     threads = max(1, (os.cpu_count() or 1) // 2)  # the rest is for whoever works in the window
     options = ["--background", "--factory-startup", "--offline-mode", "--threads", str(threads)]
     options += ["--python-exit-code", "1", "--python-expr", script]
-    return [bpy.app.binary_path, *options, "--", identity, str(path_of(identity))]
+    return [bpy.app.binary_path, *options, "--", *arguments]
 
 
 def _look() -> float | None:

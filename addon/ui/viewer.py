@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The BRDF Viewer: where the light goes, drawn as a lobe over the scene. Its settings, panel and picker."""
+"""The BRDF Viewer: where the light goes, drawn as a lobe over the scene. Its settings and tools."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from mathutils import Matrix, Vector
 
 from ..blender import lobes, material
 from ..reference import lobe, spherical
-from .panels import InSidebar
-from .text import lines
+from . import viewer_plots
 
 PLACES = (
     ("CURSOR", "3D Cursor", "At the 3D cursor, whose Z axis is the normal and X axis the tangent", 0),
@@ -131,18 +130,17 @@ class VGrooveViewer(bpy.types.PropertyGroup):
         "facets that mirror the light toward you",
         default=False, options=set(), update=redraw,
     )  # fmt: skip
-    slice: bpy.props.BoolProperty(
-        name="Slice", description="Draw the slice through the plane of incidence in the viewport's corner, with its "
-        "values and the angle of its peak",
-        default=True, options=set(), update=redraw,
+    plots: bpy.props.EnumProperty(
+        name="Plots", description="Curves in the viewport's corner, with their peaks; Shift for several",
+        items=viewer_plots.ITEMS, default={viewer_plots.PLANE}, options={"ENUM_FLAG"}, update=redraw,
     )  # fmt: skip
 
 
-def materials(context: bpy.types.Context) -> list[bpy.types.Material]:
-    """The active material and the one to compare with, as far as they are ours; each once."""
+def candidates(context: bpy.types.Context) -> list[bpy.types.Material]:
+    """The active material, whatever its nodes are, and the one to compare with; each once."""
     item = context.object
     chosen = [item.active_material if item else None, context.scene.vgroove_viewer.other]
-    return list(dict.fromkeys(one for one in chosen if one and material.is_ours(one)))
+    return list(dict.fromkeys(one for one in chosen if one))
 
 
 def frame(scene: bpy.types.Scene) -> Matrix:
@@ -177,23 +175,6 @@ def toward_light(scene: bpy.types.Scene, region: bpy.types.RegionView3D | None, 
         return lobes.local(toward_eye(region, at.translation), at) if region else None
     lamp = light_of(scene)
     return lobes.local(lobes.toward(lamp, at.translation), at) if lamp else None
-
-
-def problem(context: bpy.types.Context) -> str:
-    """Why nothing is drawn, and what to do; "" if a lobe is."""
-    settings, found = context.scene.vgroove_viewer, materials(context)
-    if not found:
-        return "Apply a preset to the active object to see its lobe"
-    have = [lobes.has_term(one, settings.term) for one in found]  # of all: what does not hold is an error
-    if not any(have):
-        return f"This model has no facets, so no {settings.term}. Choose f"
-    at = frame(context.scene)
-    wi = toward_light(context.scene, getattr(context, "region_data", None), at)
-    if wi is None:
-        return "Add a light, or let the light come from View or Angles" if settings.light_from == "LIGHT" else ""
-    if wi[2] <= 0.0:
-        return "The light is below the surface here. Turn the 3D cursor, or pick a point on a surface that is lit"
-    return ""
 
 
 class _InViewport:
@@ -294,49 +275,5 @@ def stand_at(scene: bpy.types.Scene, point: Vector, normal: Vector) -> None:
     settings.place, settings.point, settings.normal, settings.show = "POINT", point, normal, True
 
 
-class VGROOVE_PT_viewer(InSidebar, bpy.types.Panel):
-    bl_label = "BRDF Viewer"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw_header(self, context: bpy.types.Context) -> None:
-        self.layout.prop(context.scene.vgroove_viewer, "show", text="")
-
-    def draw(self, context: bpy.types.Context) -> None:
-        settings, layout = context.scene.vgroove_viewer, self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        layout.active = settings.show
-        try:
-            text = problem(context)
-        except ValueError as error:  # numbers that do not go together, too
-            text = str(error)
-        if text:
-            lines(layout, text, context.region.width, icon="INFO")
-        column = layout.column()
-        column.row().prop(settings, "place", expand=True)
-        column.operator("vgroove.pick_point", icon="EYEDROPPER")
-        column = layout.column()
-        column.row().prop(settings, "light_from", expand=True)
-        if settings.light_from == "LIGHT":
-            column.prop(settings, "lamp")
-        elif settings.light_from == "ANGLES":
-            column.prop(settings, "theta")
-            column.prop(settings, "phi")
-        column.operator("vgroove.aim_light", icon="LIGHT_SUN")
-        column = layout.column()
-        column.row().prop(settings, "term", expand=True)
-        row = column.row()
-        row.enabled = settings.term == lobes.BRDF
-        row.prop(settings, "times")
-        column.prop(settings, "channel")
-        column.prop(settings, "log")
-        column.prop(settings, "absolute")
-        column.prop(settings, "size")
-        column.prop(settings, "mirror")
-        column.prop(settings, "half")
-        column.prop(settings, "slice")
-        layout.column().prop(settings, "other")
-
-
 assert [name for name, *_ in TIMES] == list(lobe.TIMES)  # noqa: S101
-CLASSES = (VGrooveViewer, VGROOVE_OT_pick_point, VGROOVE_OT_aim_light, VGROOVE_PT_viewer)
+CLASSES = (VGrooveViewer, VGROOVE_OT_pick_point, VGROOVE_OT_aim_light)

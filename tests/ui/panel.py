@@ -24,6 +24,9 @@ class Recorder:
     def template_icon_view(self, owner, name, **_):
         assert name in owner.bl_rna.properties
 
+    def progress(self, *, text="", factor=0.0):
+        self.texts.append(text)
+
     def column(self, **_):
         return self
 

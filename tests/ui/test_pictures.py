@@ -146,7 +146,7 @@ def test_the_other_blender_renders_the_picture(extension, own_folder, tmp_path):
     save(extension, "Old Gold")
     path = tmp_path / "pictures" / "mine" / "old_gold.webp"
     script = "import sys; sys.modules['vgroove'] = None\n" + pictures.SCRIPT.format(
-        name="vgroove_pictures", root=str(pictures.ROOT)
+        name="vgroove_background", root=str(pictures.ROOT), module="choose.picture"
     )
     subprocess.run([sys.executable, "-c", script, "--", "mine/old_gold", str(path)], check=True, capture_output=True)
     picture = np.asarray(Image.open(path).convert("RGB"), float)
