@@ -16,8 +16,8 @@ _spec.loader.exec_module(house)
 FOUND, FILES, _ = house.count()
 ASKS = re.compile(r"\bsince\(\d|app\.version\b(?!_string)|hasattr\(bpy")
 # Loaded by nothing that an artist sees yet; scripts in Blender import them.
-FOR_SCRIPTS = {"addon/blender/gonio.py", "addon/blender/gonio_merl.py", "addon/choose/explain.py"}
-LOADED = ("merl", "model", "summary", "table")  # of addon/measured, by materials of measured tables
+FOR_SCRIPTS = {"addon/blender/gonio_merl.py", "addon/choose/explain.py"}
+LOADED = ("curves", "merl", "model", "summary", "table")  # of addon/measured, by materials of tables and the viewer
 FOR_SCRIPTS |= {
     f"addon/measured/{path.name}" for path in (ROOT / "addon" / "measured").glob("[!_]*.py") if path.stem not in LOADED
 }

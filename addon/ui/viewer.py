@@ -10,7 +10,7 @@ import bpy
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Matrix, Vector
 
-from ..blender import lobes, material
+from ..blender import lobes, material, texel
 from ..reference import lobe, spherical
 from . import viewer_plots
 
@@ -78,6 +78,13 @@ class VGrooveViewer(bpy.types.PropertyGroup):
         name="Normal", description="The surface's normal there, in world space", size=3, default=(0.0, 0.0, 1.0),
         subtype="DIRECTION", options=set(), update=redraw,
     )  # fmt: skip
+    picked: bpy.props.PointerProperty(
+        name="Picked Material", description="The material of the face that was clicked", type=bpy.types.Material,
+        options=set(), update=redraw,
+    )  # fmt: skip
+    picked_uvs: bpy.props.StringProperty(
+        name="Picked UVs", description="Where the clicked point is in each UV map", options=set(), update=redraw
+    )
     light_from: bpy.props.EnumProperty(
         name="Light From", description="Where the light comes from", items=LIGHTS, options=set(), update=redraw
     )
@@ -137,10 +144,21 @@ class VGrooveViewer(bpy.types.PropertyGroup):
 
 
 def candidates(context: bpy.types.Context) -> list[bpy.types.Material]:
-    """The active material, whatever its nodes are, and the one to compare with; each once."""
-    item = context.object
-    chosen = [item.active_material if item else None, context.scene.vgroove_viewer.other]
+    """The material shown, whatever its nodes are, and the one to compare with; each once.
+
+    That is the one of the face that was clicked, or else the active one.
+    """
+    settings, item = context.scene.vgroove_viewer, context.object
+    active = item.active_material if item else None
+    picked = settings.picked if settings.place == "POINT" else None
+    chosen = [picked or active, settings.other]
     return list(dict.fromkeys(one for one in chosen if one))
+
+
+def uvs_of(scene: bpy.types.Scene, of: bpy.types.Material) -> dict[str, tuple[float, float]] | None:
+    """Where the clicked point is in each UV map, of the material there; None of any other."""
+    settings = scene.vgroove_viewer
+    return texel.loads(settings.picked_uvs) if settings.place == "POINT" and settings.picked == of else None
 
 
 def frame(scene: bpy.types.Scene) -> Matrix:
@@ -222,7 +240,10 @@ class VGROOVE_OT_pick_point(_InViewport, bpy.types.Operator):
 
     bl_idname = "vgroove.pick_point"
     bl_label = "Pick Point"
-    bl_description = "Click a surface, and the lobe stands there along its normal. Esc cancels"
+    bl_description = (
+        "Click a surface, and the lobe of its material stands there along its normal, with its textures there. "
+        "Esc cancels"
+    )
     cursor = "EYEDROPPER"
     hint = "Click a surface"
 
@@ -232,11 +253,11 @@ class VGROOVE_OT_pick_point(_InViewport, bpy.types.Operator):
         if event.type != "LEFTMOUSE" or event.value != "PRESS":
             return {"RUNNING_MODAL" if event.type == "MOUSEMOVE" else "PASS_THROUGH"}
         ray = self.ray(context, event)
-        found = ray and lobes.surface_at(context.scene, context.evaluated_depsgraph_get(), *ray)
+        found = ray and texel.surface_at(context.scene, context.evaluated_depsgraph_get(), *ray)
         if not found:
             self.report({"WARNING"}, "There is no surface. Click one, or press Esc")
             return {"RUNNING_MODAL"}
-        stand_at(context.scene, *found)
+        stand_at(context.scene, found)
         return self.end(context, {"FINISHED"})
 
 
@@ -269,10 +290,12 @@ class VGROOVE_OT_aim_light(_InViewport, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
 
-def stand_at(scene: bpy.types.Scene, point: Vector, normal: Vector) -> None:
-    """Show the lobe at a point of a surface."""
+def stand_at(scene: bpy.types.Scene, hit: texel.Hit) -> None:
+    """Show the lobe at a point of a surface, of the material there."""
     settings = scene.vgroove_viewer
-    settings.place, settings.point, settings.normal, settings.show = "POINT", point, normal, True
+    texel.forget()
+    settings.place, settings.point, settings.normal, settings.show = "POINT", hit.point, hit.normal, True
+    settings.picked, settings.picked_uvs = hit.material, texel.dumps(hit.uvs)
 
 
 assert [name for name, *_ in TIMES] == list(lobe.TIMES)  # noqa: S101

@@ -97,8 +97,8 @@ def plot_curves(context: bpy.types.Context, plot: str, wi: Floats) -> list[viewe
     """Curves of materials of ours, then what was measured of any under this light."""
     settings = context.scene.vgroove_viewer
 
-    def numbers(of: bpy.types.Material, wi: Floats, times: str, term: str) -> Any:
-        found = lobes.curve_of(of, wi, plot, times, term)
+    def numbers(of: bpy.types.Material, wi: Floats, times: str, term: str, uvs: Any) -> Any:
+        found = lobes.curve_of(of, wi, plot, times, term, uvs)
         return found and (of.name, found)
 
     curves = [
@@ -132,7 +132,7 @@ def shown(
     candidates = zip(viewer.candidates(context), COLORS, strict=False)
     ours = [(one, color) for one, color in candidates if material.is_ours(one)]
     try:
-        found = [(what(one, wi, times, settings.term), color) for one, color in ours]
+        found = [(what(one, wi, times, settings.term, viewer.uvs_of(context.scene, one)), color) for one, color in ours]
     except ValueError:  # numbers that do not go together, too
         return []
     return [(one, color) for one, color in found if one is not None]

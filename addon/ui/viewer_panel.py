@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
-from ..blender import lobes, material
+from ..blender import lobes, material, texel
 from . import viewer, viewer_measure
 from .panels import InSidebar
 from .text import lines
@@ -19,7 +21,9 @@ def problem(context: bpy.types.Context) -> str:
         return "The lobe's formula is known of V-Groove materials. This one's values can be measured"
     if not found:
         return "Apply a preset to the active object to see its lobe"
-    have = [lobes.has_term(one, settings.term) for one in found]  # of all: what does not hold is an error
+    have = [
+        lobes.has_term(one, settings.term, viewer.uvs_of(context.scene, one)) for one in found
+    ]  # of all: what does not hold is an error
     if not any(have):
         return f"This model has no facets, so no {settings.term}. Choose f"
     at = viewer.frame(context.scene)
@@ -52,6 +56,9 @@ class VGROOVE_PT_viewer(InSidebar, bpy.types.Panel):
         column = layout.column()
         column.row().prop(settings, "place", expand=True)
         column.operator("vgroove.pick_point", icon="EYEDROPPER")
+        for one in viewer.candidates(context):
+            if settings.place == "POINT" and one == settings.picked:
+                draw_picked(column, one, texel.loads(settings.picked_uvs), context.region.width)
         column = layout.column()
         column.row().prop(settings, "light_from", expand=True)
         if settings.light_from == "LIGHT":
@@ -75,6 +82,14 @@ class VGROOVE_PT_viewer(InSidebar, bpy.types.Panel):
         layout.column().prop(settings, "plots")
         viewer_measure.draw(layout, context)
         layout.column().operator("vgroove.export_plots", icon="EXPORT")
+
+
+def draw_picked(layout: bpy.types.UILayout, of: bpy.types.Material, uvs: dict[str, Any], width: int) -> None:
+    """The material at the clicked point, and the textures there that could not be read."""
+    layout.label(text=of.name, icon="MATERIAL")
+    unread = texel.read(of, uvs).unread
+    if unread:
+        lines(layout, f"Not read here: {', '.join(unread)}. Drawn with the input's own value", width, icon="INFO")
 
 
 CLASSES = (VGROOVE_PT_viewer,)

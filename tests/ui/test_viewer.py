@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 import vgroove
 from vgroove import headless
-from vgroove.addon.blender import lobes, material
+from vgroove.addon.blender import lobes, material, texel
 from vgroove.addon.library import presets
 from vgroove.addon.reference import lobe, spherical
 
@@ -133,15 +133,15 @@ def test_a_picked_point_has_its_surface_s_normal(stage):
 
     scene, graph = stage.context.scene, stage.context.evaluated_depsgraph_get()
     down = lobes.Vector((0.0, 0.0, -1.0))
-    found = lobes.surface_at(scene, graph, lobes.Vector((0.2, 0.3, 9.0)), down)
-    viewer.stand_at(scene, *found)
+    found = texel.surface_at(scene, graph, lobes.Vector((0.2, 0.3, 9.0)), down)
+    viewer.stand_at(scene, found)
     at = viewer.frame(scene)
     assert_allclose(np.array(at.translation), [0.2, 0.3, 1.0], atol=1e-6)
     assert_allclose(np.array(at.to_3x3()), np.eye(3), atol=1e-6)
     assert (settings_of(stage).place, settings_of(stage).show) == ("POINT", True)
-    _, normal = lobes.surface_at(scene, graph, lobes.Vector((0.2, 0.3, 0.0)), down)
-    assert_allclose(np.array(normal), [0.0, 0.0, 1.0], atol=1e-6)
-    assert lobes.surface_at(scene, graph, lobes.Vector((9.0, 9.0, 9.0)), down) is None
+    inner = texel.surface_at(scene, graph, lobes.Vector((0.2, 0.3, 0.0)), down)
+    assert_allclose(np.array(inner.normal), [0.0, 0.0, 1.0], atol=1e-6)
+    assert texel.surface_at(scene, graph, lobes.Vector((9.0, 9.0, 9.0)), down) is None
 
 
 @pytest.mark.parametrize(
@@ -168,8 +168,10 @@ def test_frames_are_rotations_whose_z_axis_is_the_normal(blender, normal):
     assert_allclose(found[:3, 2], normal, atol=1e-6)
 
 
-def test_the_panel_says_why_nothing_is_drawn(stage):
-    from vgroove.addon.ui import viewer_panel
+def test_the_panel_says_why_nothing_is_drawn(stage, monkeypatch):
+    from vgroove.addon.ui import viewer_measure, viewer_panel
+
+    monkeypatch.setattr(viewer_measure, "unavailable", lambda: "")
 
     def said():
         return " ".join(drawn(stage, viewer_panel.VGROOVE_PT_viewer).texts)

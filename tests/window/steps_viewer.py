@@ -170,6 +170,48 @@ def leaves(hands, area, before):
     yield 0.5
 
 
+def click(hands):
+    """The material of the clicked face is shown, with what its texture is there, not the active one."""
+    area = hands.area("VIEW_3D")
+    cube = bpy.context.object
+    bpy.context.scene.vgroove.preset = "diffuse/clay"
+    bpy.ops.vgroove.apply()
+    clay = cube.active_material
+    cube.data.materials.append(clay)
+    cube.material_slots[0].material = bpy.data.materials.new("Active")
+    cube.active_material_index = 0
+    for face in cube.data.polygons:
+        face.material_index = int(face.normal.z > 0.5)  # the top is of clay
+    image = bpy.data.images.new("Red", 2, 2)
+    image.pixels.foreach_set([1.0, 0.0, 0.0, 1.0] * 4)
+    tree = clay.node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    (group,) = (one for one in tree.nodes if one.type == "GROUP")
+    tree.links.new(node.outputs[0], group.inputs["Base Color"])
+    with hands.within(area):
+        bpy.ops.view3d.view_selected()
+    area.spaces.active.region_3d.view_distance = 6.0
+    yield 1.0
+    with hands.within(area):
+        bpy.ops.vgroove.pick_point("INVOKE_DEFAULT")
+    yield 0.5
+    yield from hands.click(place(area, (0.3, 0.2, 1.0)))
+    assert setting().picked == clay
+    draw = sys.modules[f"{ROOT}.addon.ui.viewer_draw"]
+    viewer = sys.modules[f"{ROOT}.addon.ui.viewer"]
+    assert viewer.candidates(bpy.context)[0] == clay
+    setting().light_from, setting().channel = "ANGLES", "color"
+    wi = viewer.toward_light(bpy.context.scene, None, viewer.frame(bpy.context.scene))
+    ((found, _),) = draw.shown(bpy.context, wi)
+    assert found.rgb[..., 0].max() > 0.1
+    assert found.rgb[..., 1].max() < 1e-3
+    yield 1.0
+    hands.picture("click")
+    setting().place = "CURSOR"
+    assert viewer.candidates(bpy.context)[0] == cube.active_material
+
+
 # In place of Blender: measures at leisure. Half of it is done after a moment, all of it once the file "go" is there.
 SLOW = """
 import pathlib, sys, time, numpy as np
