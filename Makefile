@@ -7,7 +7,7 @@ RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
 PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
-.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window test-page lint check report across documents previews assets package clean
+.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window test-page lint check report across documents docs previews assets package clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
@@ -61,6 +61,9 @@ across: | $(UV)  ## presets and textured scenes by each Blender, and how far apa
 
 documents: | $(UV)  ## what `make report` measured into docs/, its figures into every page, its biases into Automatic
 	$(RUN) vgroove report --from build/report/report.json --documents .
+
+docs: | $(UV)  ## the site: build/site/index.html, which needs no server
+	$(RUN) mkdocs build --strict --quiet
 
 previews: | $(UV)  ## a picture of every preset that has none yet or has changed, for the panel and the asset library
 	$(RUN) python tools/previews.py
