@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 class Verbatim(griffe.Extension):
     def on_object(self, *, obj: Object, **_: Any) -> None:
         if obj.docstring:
-            first, _, rest = obj.docstring.value.partition("\n\n")
-            text = re.sub(r"([\\*_`\[\]])", r"\\\1", escape(first, quote=False))
+            first, _, rest = obj.docstring.value.replace("``", "`").partition("\n\n")
+            pieces = re.split(r"(`[^`]*`)", first)  # code stays as it is
+            pieces[::2] = [re.sub(r"([\\*_\[\]])", r"\\\1", escape(piece, quote=False)) for piece in pieces[::2]]
             more = f"\n\n```text\n{rest.strip()}\n```" if rest.strip() else ""
-            obj.docstring.value = text.replace(r"\`\`", "`") + more
+            obj.docstring.value = "".join(pieces) + more

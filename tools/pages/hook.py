@@ -37,6 +37,7 @@ API = {
 }
 FORMULA = re.compile(r"\$\$(.+?)\$\$|(?<![\w$])\$([^$\n]+?)\$(?!\w)", re.DOTALL)
 CODE = re.compile(r"(```.*?```|`[^`\n]*`)", re.DOTALL)
+MARK = re.compile(r"<!-- /?report.*?-->")  # where a line begins with one, Markdown would begin a block
 HELD = "formula@{}@"  # in the text until it is HTML, as Markdown would read into MathML
 
 
@@ -112,12 +113,13 @@ def _lecture() -> str:
 
 def on_page_markdown(text: str, *, page: Page, **_: Any) -> str:
     """Lists as forges indent them; formulas of pages that have some are held back until the page is HTML."""
-    text = _indented(text)
+    text = _indented(MARK.sub("", text))
     found: list[str] = []
 
     def hold(match: re.Match[str]) -> str:
         block = match[1] is not None
-        found.append(convert((match[1] or match[2]).strip(), display="block" if block else "inline"))
+        formula = convert((match[1] or match[2]).strip(), display="block" if block else "inline")
+        found.append(f'<span class="formula">{formula}</span>' if block else formula)
         return HELD.format(len(found) - 1)
 
     if page.file.src_uri == "paper.md" or page.file.src_uri.startswith("models/"):

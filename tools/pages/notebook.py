@@ -27,6 +27,9 @@ def run(path: Path) -> NotebookNode:
     done = client.execute()
     for cell in done.cells:
         cell.metadata = nbformat.NotebookNode()  # times of this run
+        if texts := [one.text for one in cell.get("outputs", ()) if "text" in one]:  # in as many pieces as it came
+            others = [one for one in cell.outputs if "text" not in one]
+            cell.outputs = [nbformat.v4.new_output("stream", name="stdout", text="".join(texts)), *others]
         for output in cell.get("outputs", ()):
             output.metadata = nbformat.NotebookNode()
     done.metadata = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
