@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # `make demo` and `make test` are all that a newcomer needs; the rest is for those who work on vgroove.
 export UV_PYTHON_DOWNLOADS ?= never
+unexport PYTHONDONTWRITEBYTECODE  # else each of the many processes of the tests compiles all of Python's files anew
 UV := $(shell command -v uv 2>/dev/null || echo .tools/uv/bin/uv)
 RUN = $(UV) run --quiet
 RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
@@ -14,11 +15,11 @@ demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against Num
 
 test test-once test-4.5 test-5.3 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
 
-test: | $(UV)  ## the tests, on Blender 5.2 LTS; of grids of renders each value
-	$(RUN) $(PYTEST) -m "not once"
+test: | $(UV)  ## the tests, on Blender 5.2 LTS; of grids of renders each value; not what takes long
+	$(RUN) $(PYTEST) -m "not once and not slow"
 
-test-once: | $(UV)  ## what takes long and hardly depends on Blender, and deliberate errors
-	$(RUN) $(PYTEST) -m once
+test-once: | $(UV)  ## the rest of them: what takes long, and deliberate errors
+	$(RUN) $(PYTEST) -m "once or slow"
 
 test-4.5: | $(UV)  ## on Blender 4.5 LTS, what depends on the Blender
 	$(RUN_45) $(PYTEST)

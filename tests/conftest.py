@@ -6,13 +6,15 @@ each value is in one of them at least: what breaks mostly does so for one value.
 of two parameters too, and `make test-all` runs every row. Grids without Blender hold each pair on 5.2; on 4.5, whose
 Python and NumPy are older too, each value, and on 5.3, which has those of 5.2, they are left out. What takes long and
 hardly depends on Blender, and deliberate errors, which show that a check can fail, are marked ``once`` and run on 5.2
-alone, by `make test-once`; what is more of the same is marked ``more``: `make test-all` has both.
+alone, by `make test-once`; what is more of the same is marked ``more``: `make test-all` has both. On 5.2 `make test`
+also leaves the tests of data/slow.txt to `make test-once`, so that it ends within ten minutes.
 """
 
 import contextlib
 import sys
 from functools import partial
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -32,6 +34,7 @@ from vgroove.lab.report.findings import DEFAULT  # noqa: E402
 from vgroove.nodegroups import versions  # noqa: E402
 
 collect_ignore = ["window", "page"]  # need Debian's Blender and Chromium: `make test-window` and `make test-page`
+SLOW = frozenset(Path(__file__).parent.joinpath("data", "slow.txt").read_text(encoding="utf-8").splitlines())
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 
 
@@ -39,6 +42,11 @@ def pytest_addoption(parser):
     text = "rows of Blender tests: 0 all, 1 each value once at least, 2 each pair of values"
     parser.addoption("--cover", type=int, choices=(0, 1, 2), default=1, help=text)
     parser.addoption("--write", action="store_true", help="write the table of test_revisions.py")
+
+
+def pytest_itemcollected(item):
+    if item.nodeid in SLOW:
+        item.add_marker("slow")
 
 
 def pytest_collection_modifyitems(config, items):

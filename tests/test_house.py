@@ -13,7 +13,6 @@ ROOT = Path(__file__).parents[1]
 _spec = importlib.util.spec_from_file_location("house", ROOT / "tools" / "house.py")
 house = sys.modules["house"] = importlib.util.module_from_spec(_spec)  # dataclasses look their module up
 _spec.loader.exec_module(house)
-FOUND, FILES, _ = house.count()
 ASKS = re.compile(r"\bsince\(\d|app\.version\b(?!_string)|hasattr\(bpy")
 # Loaded by nothing that an artist sees yet; scripts in Blender import them.
 FOR_SCRIPTS = {"addon/blender/gonio.py", "addon/blender/gonio_merl.py", "addon/choose/explain.py"}
@@ -23,16 +22,21 @@ FOR_SCRIPTS |= {
 }
 
 
-def test_every_file_has_a_room():
+@pytest.fixture(scope="module")
+def count():
+    return house.count()
+
+
+def test_every_file_has_a_room(count):
     """But for the extension's own __init__.py files."""
-    assert set(FILES) <= {*house.LEVEL, "(none)"}
-    assert FILES["(none)"] == 1
+    assert set(count[1]) <= {*house.LEVEL, "(none)"}
+    assert count[1]["(none)"] == 1
 
 
 @pytest.mark.parametrize("rule", house.RULES)
-def test_the_rule_holds(rule):
+def test_the_rule_holds(rule, count):
     """`python tools/house.py --each` lists the places."""
-    assert FOUND.places[rule] == []
+    assert count[0].places[rule] == []
 
 
 @pytest.mark.parametrize(
@@ -97,3 +101,10 @@ def test_the_count_prints_a_table():
     """Rooms with their files and lines, and what is counted."""
     done = subprocess.run([sys.executable, "tools/house.py"], cwd=ROOT, capture_output=True, text=True, check=True)
     assert "blender" in done.stdout
+
+
+def test_what_is_called_slow_is_there():
+    """data/slow.txt names tests by file and function; one renamed would come back into `make test`."""
+    names = (ROOT / "tests" / "data" / "slow.txt").read_text(encoding="utf-8").split("\n")[:-1]
+    for file, function in sorted({tuple(re.split(r"::|\[", name)[:2]) for name in names}):
+        assert f"def {function}(" in (ROOT / file).read_text(encoding="utf-8"), f"{file}::{function}"
