@@ -8,6 +8,7 @@ import pytest
 
 from vgroove.addon.blender import material
 from vgroove.addon.ui import operators, watch
+from vgroove.nodegroups import versions
 
 _spec = importlib.util.spec_from_file_location("still_life", Path(__file__).parents[2] / "tools" / "still_life.py")
 still_life = importlib.util.module_from_spec(_spec)
@@ -25,4 +26,5 @@ def test_the_artists_tutorial_can_be_followed(extension):
     scene = extension.context.scene
     (problem,) = [one for one in operators.current_problems(watch.current(scene)) if one.button == "Allow 12 Bounces"]
     extension.ops.vgroove.mend(key=problem.key)
-    assert operators.current_problems(watch.current(scene)) == []
+    left = {one.key for one in operators.current_problems(watch.current(scene))}
+    assert left == (set() if versions.EXACT_CONDUCTOR else {"fresnel"})  # of 4.5, as the page says
