@@ -10,7 +10,7 @@ RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5
 DAY := $(shell date +%F)
 PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
-.PHONY: demo test test-once test-4.5 test-5.3 test-all test-every test-window test-page lint check report across documents previews assets package listing release clean
+.PHONY: demo test test-once test-4.5 test-5.3 test-all test-every test-window test-page lint check report across documents docs previews assets package listing release clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
@@ -69,6 +69,9 @@ across: | $(UV)  ## presets and textured scenes by each Blender, and how far apa
 
 documents: | $(UV)  ## what `make report` measured into docs/, its figures into every page, its biases into Automatic
 	$(RUN) vgroove report --from build/report/report.json --documents .
+
+docs: | $(UV)  ## the site: build/site/index.html, which needs no server
+	NO_MKDOCS_2_WARNING=1 $(RUN) mkdocs build --strict  # with --quiet warnings would not count
 
 previews: | $(UV)  ## a picture of every preset that has none yet or has changed, for the panel and the asset library
 	$(RUN) python tools/previews.py

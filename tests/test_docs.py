@@ -17,7 +17,7 @@ from vgroove.lab.bench.record import ReportError
 from vgroove.lab.report import documents, published, summary
 
 ROOT = Path(__file__).parent.parent
-PAGES = ["README.md", "CONTRIBUTING.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").glob("*.md"))]
+PAGES = ["README.md", "CONTRIBUTING.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md"))]
 
 
 def test_the_examples_in_the_readme_give_what_they_show():
@@ -109,6 +109,8 @@ GIVEN = {
         "| | | 26.0 % | 93.8 % |": "what tools/eevee.py measures",
     },
     "docs/glass.md": {"R + T = 1 to 1e-4": "a bar of tests/models/test_glass.py"},
+    "docs/models/sum.md": {"at most 0.25": "addon/models/coat.HIGHEST_F0"},
+    "docs/models/translucent.md": {"at most 0.25": "addon/models/coat.HIGHEST_F0"},
     "docs/oren_nayar.md": {
         "0.1 to 5 %": "the bounds that there are",
         "0.5 % unless changed": "the bound that hybrid is built with",
