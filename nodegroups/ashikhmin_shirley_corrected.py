@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Ashikhmin-Shirley Corrected"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, lamps: int, *, radial: bool) -> None:

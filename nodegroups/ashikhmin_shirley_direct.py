@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Carried = Callable[[Value, Value, Value], tuple[Value, Value]]
 
 NAME = "VGroove Ashikhmin-Shirley Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, lamps: int, *, radial: bool) -> None:

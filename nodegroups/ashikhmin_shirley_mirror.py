@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Ashikhmin-Shirley Mirror"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, lamps: int = 0, *, radial: bool) -> None:

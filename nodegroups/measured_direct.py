@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Measured Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, of: Measured, kind: str, lamps: int) -> None:

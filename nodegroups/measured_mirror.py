@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Measured Mirror"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, of: Measured, kind: str, lamps: int = 0) -> None:
