@@ -17,7 +17,7 @@ from vgroove.lab.bench.record import ReportError
 from vgroove.lab.report import documents, published, summary
 
 ROOT = Path(__file__).parent.parent
-PAGES = ["README.md", "CONTRIBUTING.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").glob("*.md"))]
+PAGES = ["README.md", "CONTRIBUTING.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md"))]
 
 
 def test_the_examples_in_the_readme_give_what_they_show():
@@ -110,6 +110,8 @@ GIVEN = {
         "| | | 26.0 % | 93.8 % |": "what tools/eevee.py measures",
     },
     "docs/glass.md": {"R + T = 1 to 1e-4": "a bar of tests/models/test_glass.py"},
+    "docs/models/sum.md": {"at most 0.25": "addon/models/coat.HIGHEST_F0"},
+    "docs/models/translucent.md": {"at most 0.25": "addon/models/coat.HIGHEST_F0"},
     "docs/oren_nayar.md": {
         "0.1 to 5 %": "the bounds that there are",
         "0.5 % unless changed": "the bound that hybrid is built with",
@@ -190,7 +192,7 @@ def test_the_report_in_docs_is_a_summary_of_its_numbers(reported):
     assert text == summary.markdown(reported)
     assert len(text.encode()) < 30_000
     assert {path.stem for path in (ROOT / "docs" / "plots").glob("*.png")} == {
-        f"{kind}-{blender}" for kind in summary.KINDS for blender in reported.runs
+        f"{kind}-{blender}" for kind in summary.PLOTS for blender in reported.runs
     }
     assert (ROOT / published.FILE).stat().st_size < published.LONGEST_FILE
     assert published.to_json(reported) == (ROOT / published.FILE).read_text(encoding="utf-8")
@@ -213,7 +215,7 @@ def test_the_report_in_docs_is_whole_and_of_the_same_code_on_every_blender(repor
 @pytest.mark.parametrize("name", ["errata", "oren_nayar", "fit"])
 def test_what_is_computed_is_computed_again(name, reported):
     """Of what needs no render: to the last digit that is shown, and more."""
-    for title, table in figures.measure(ROOT, name).items():
+    for title, table in figures.measure(name).items():
         kept = reported.default.tables[name][title]
         assert kept.columns == table.columns
         np.testing.assert_allclose(kept.rows, table.rows, rtol=1e-7, atol=1e-9)

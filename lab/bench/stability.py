@@ -24,8 +24,6 @@ from .stability_pictures import FIRST_SEED, Shot
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
-
 SLOPES = (1e-4, 1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0)
 ETAS = (0.1, 0.5, 1.0 - 2.0**-24, 1.0 - 1e-9, 1.0 + 1e-9, 1.0 + 2.0**-23, 1.5, 10.0)  # with float32's next to 1
 NEAREST = 90.0 - 2.0**-17  # degrees: what float32 holds of 90 - 1e-6
@@ -179,7 +177,7 @@ def names(**_quick: bool) -> list[str]:
     return [*dict.fromkeys(sweep.group for sweep in TABLE)]
 
 
-def measure(_folder: Path, group: str, *, quick: bool) -> tuple[Case, ...]:
+def measure(group: str, *, quick: bool) -> tuple[Case, ...]:
     return tuple(judged(*case) for case in cases(group, quick=quick))
 
 
