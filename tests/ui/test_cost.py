@@ -14,8 +14,8 @@ from vgroove.nodegroups import versions
 pytestmark = pytest.mark.blender
 
 COUNT = 20
-# Bytes that so many, of eight models, add to a file that is not compressed: a socket takes 0.5 kB of it. On 5.3 they have
-# the formula for EEVEE, too, which takes 1.5 MB.
+# Bytes that so many, of eight models, add to a file that is not compressed: a socket takes 0.5 kB of it. On 5.3 they
+# have the formula for EEVEE, too, which takes 1.5 MB.
 LARGEST = 4_400_000 if versions.LIGHT_NODES else 3_000_000
 
 
@@ -50,7 +50,7 @@ def add_cube(extension):
 
 def select(extension, item):
     extension.ops.object.select_all(action="DESELECT")
-    item.select_set(True)
+    item.select_set(state=True)
     extension.context.view_layer.objects.active = item
 
 
@@ -66,7 +66,7 @@ def append(extension, path, name):
 
 
 def test_files_stay_small_and_apply_is_as_quick_as_an_append(extension, tmp_path):
-    """20 presets add little to Blender's own half MB and the objects; Apply takes less than appending the same materials from it.
+    """20 presets add little to the file of their objects; Apply takes less than appending the same materials from it.
 
     Both make a node tree and have the scene evaluated, in turn, so that what else runs slows both; of either the median
     is taken. An append reads the file and brings a copy of every group, which Apply reuses: it takes 0.3 times as long.
