@@ -100,4 +100,4 @@ def universal_caption(choice: Choice) -> str:
         text += f", with terms for {terms} light{'s' * (terms > 1)}"
     if choice.backend == Backend.NODES and not universal.fits():
         text += "; does not fit in this Blender"
-    return text + ". Times and memory: docs/report.md"
+    return text + ". Times: docs/report.md"

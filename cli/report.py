@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import warnings
 from contextlib import contextmanager
 from enum import StrEnum
@@ -94,17 +93,17 @@ def report(
 
 def _measure(output: Path, again: list[Part], *, quick: bool) -> None:
     """Measure what a report lacks, and draw it."""
-    require_packages("matplotlib", "flip_evaluator", "mitsuba")
+    require_packages("matplotlib", "mitsuba")
     from ..lab.bench import record
 
     file = output / record.FILE
     make_folder_of(file)
     kept = record.open_or_create(file, versions()["blender"], quick=quick, again=[str(part) for part in again])
-    failed = _measure_missing(kept, output, quick=quick)
+    failed = _measure_missing(kept, quick=quick)
     _draw(file, output, failed)
 
 
-def _measure_missing(kept: Record, folder: Path, *, quick: bool) -> list[str]:
+def _measure_missing(kept: Record, *, quick: bool) -> list[str]:
     """Measure the cells that a record lacks; returns the keys of those that failed."""
     start_blender()
     from ..lab.bench import record
@@ -116,7 +115,7 @@ def _measure_missing(kept: Record, folder: Path, *, quick: bool) -> list[str]:
     if done := len(wanted) - len(missing):
         say(f"{done} of {len(wanted)} measurements are there already")
     try:
-        for cell, reason in progress(kept.measure(missing, folder), "measuring", len(missing)):
+        for cell, reason in progress(kept.measure(missing), "measuring", len(missing)):
             if reason:
                 failed.append(cell.key)
                 say(f"vgroove: {cell.key}: {reason}")
@@ -133,7 +132,7 @@ def _cost_of_batch(*, quick: bool) -> list[Cell]:
     from ..lab.bench.cells import Table as Figures
     from ..lab.bench.record import Cell
 
-    cell = Cell("figures/batch", lambda _folder: {"cost": Figures(["what", "value"], cost.rows())})
+    cell = Cell("figures/batch", lambda: {"cost": Figures(["what", "value"], cost.rows())})
     return [] if quick else [cell]
 
 
@@ -160,16 +159,9 @@ def _draw(source: Path, folder: Path, failed: Sequence[str] = ()) -> None:
     with _damage_named(source):
         report = record.read(source)
         found = findings.runs(report)
-    pictures = None
-    if importlib.util.find_spec("bpy"):
-        start_blender()
-        pictures = source.parent
-    else:
-        say("bpy is not installed, so the page has no pictures")
-    with _damage_named(source):
         broken = [(run, claim) for run in found for claim in claims.of(run) if not claim.holds]
         make_folder_of(folder / record.FILE)
-        for path in draw.draw(report, pictures, folder):
+        for path in draw.draw(report, folder):
             say(f"wrote {path}")
         for run, claim in broken:
             say(f"{summary.title(run.blender, quick=run.quick, lacks=run.lacks)}: {claim.text}")

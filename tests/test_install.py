@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 ROOMS = ("addon", "batch", "cli", "headless", "lab", "nodegroups", "osl", "presets", "viewer")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-UNDER_OTHER_NAMES = {"flip_evaluator": "flip-evaluator", "PIL": "pillow"}
+UNDER_OTHER_NAMES = {"PIL": "pillow"}
 WITH_BLENDER = {"bpy", "bpy_extras", "mathutils", "addon_utils", "blf", "cycles", "_cycles", "imbuf", "oslquery"}
 WITH_BLENDER |= {"OpenImageIO", "bmesh", "gpu", "gpu_extras", "io_scene_gltf2", "pxr"}
 

@@ -14,6 +14,8 @@ from . import (
     apply,
     course,
     export,
+    measure,
+    measured,
     numbers,
     opened,
     operators,
@@ -41,6 +43,8 @@ WITH_CLASSES = (
     shader_editor,
     panels,
     course,
+    measured,
+    measure,
     export,
     viewer,
 )
@@ -60,6 +64,9 @@ def register() -> None:
         thumbnails.register()
         undo.callback(thumbnails.unregister)
         undo.callback(pictures.unregister)
+        measured.register()
+        undo.callback(measured.unregister)
+        undo.callback(measure.unregister)
         undo.callback(watch.unregister)
         watch.register()
         colour_update.register()

@@ -21,20 +21,16 @@ import bpy
 import numpy as np
 
 from ... import headless
-from ...addon.blender import gonio, images
-from ...addon.library.files import replacing
+from ...addon.blender import gonio
 from ...addon.reference import albedo
 from . import contenders, mitsuba_peer, mitsuba_scenes, statistics, truth
-from .cells import Accuracy, Contender, Pictures
+from .cells import Accuracy, Contender
 from .contenders import Method
-from .flip import flip
 from .mitsuba_peer import PeerError, Rendered
 from .scene_table import SCENES
 from .scenes import stage
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bpy.types import Material
     from numpy.typing import NDArray
 
@@ -45,25 +41,23 @@ if TYPE_CHECKING:
 names = contenders.names
 SIZE, SMALLER = 14, 11  # pixels: a full report is to take less than an hour on two cores, on each Blender
 SLOW = {"paint", "marble", "frosted", "glass"}  # shown smaller: many lobes, or many bounces
-MIRROR, CLOSURE = "mirror, nodes", "closure, nodes"
+MIRROR = "mirror, nodes"
 SEEDS, FEWER_SEEDS, FEWER_SEEDS_FROM = 4, 2, 1024  # pictures of each count; from so many samples on fewer do
 # Seeds that mirror takes more of, as often as it takes to know the slope of its noise well within 0.05, but no less
 # often than tells how well it is known: furnaces need the least, a lamp whose reflection lies on few pixels the most.
 ROUND, ROUNDS, SLOPE_KNOWN = {64: 16, 256: 8, 1024: 4, 4096: 2}, range(2, 11), 0.02
-PICTURE_SIZE, PICTURE_SAMPLES = 48, 64
 TRUTHS, FIRST_TRUTH = 4, 1001  # how many, and the first one's seed
 TRUTH_SAMPLES, RENDERED_SAMPLES = 8192, 16384  # a pixel of each truth
 QUICK_TRUTH = 8  # a quick report's truths have this many times fewer
 FURNACE = "the reference's directional albedo at each pixel's direction"
 FORMULA = f"the reference's integral over lights and directions, {TRUTHS} times with independent random numbers"
 BY_MIRROR = f"{TRUTHS} independent pictures by mirror"
-LOOKED_AT = 16  # as have the references of pictures to look at
 # OSL shaders differ from nodes in time, elsewhere by about as much; and in Blender 4.5 where Cycles' own lobes have the
 # Fresnel term of a dielectric, exact only in OSL there.
 BOTH_BACKENDS = {("environment", "copper"), ("softbox", "copper"), ("softbox", "plastic")}
 
 
-def measure(folder: Path, name: str, subject: str, *, quick: bool) -> Accuracy:
+def measure(name: str, subject: str, *, quick: bool) -> Accuracy:
     """One scene and subject."""
     counts = contenders.counts(quick=quick)
     preset = contenders.subjects()[subject]
@@ -81,19 +75,18 @@ def measure(folder: Path, name: str, subject: str, *, quick: bool) -> Accuracy:
                 found[other.method.label] = other.race(name, counts, size_of(subject))
             scored = {one.label: _scored(one, found[one.label], counts, truths, shown) for one in methods}
             scored[MIRROR] = replace(scored[MIRROR], slope_error=slope_error)
-        drawn = None if name == "furnace" else pictures(folder, name, subject, preset, other)
     return Accuracy(
         scene=name, subject=subject, model=preset.model, roughness=roughness_of(preset), size=size_of(subject),
         samples=counts,
         seeds=tuple(map(_seeds, counts)), truth=source, independent=source != BY_MIRROR,
-        smooth=preset.transparent and preset.m == 0.0, contenders=scored, without=without, pictures=drawn,
+        smooth=preset.transparent and preset.m == 0.0, contenders=scored, without=without,
     )  # fmt: skip
 
 
 def roughness_of(preset: Preset) -> dict[str, float]:
-    """Its slope m and sigma, those that it has."""
+    """Its slope m, sigma and sharpness, those that it has."""
     found: dict[str, Any] = preset.parameters
-    return {name: float(found[name]) for name in ("m", "sigma") if name in found}
+    return {name: float(found[name]) for name in ("m", "sigma", "sharpness") if name in found}
 
 
 def size_of(subject: str) -> int:
@@ -197,10 +190,10 @@ def _seeds(samples: int) -> int:
 def _render(shown: Stage, samples: int, seed: int) -> Rendered:
     """A render, and how long it took; files are not in that."""
     shown.scene.cycles.samples, shown.scene.cycles.seed = samples, seed
-    clocks: list[tuple[float, float]] = []
+    clocks: list[float] = []
 
     def note(*_: Any) -> None:
-        clocks.append((time.perf_counter(), time.process_time()))
+        clocks.append(time.process_time())
 
     around = (bpy.app.handlers.render_pre, bpy.app.handlers.render_post)
     for handlers in around:
@@ -210,18 +203,17 @@ def _render(shown: Stage, samples: int, seed: int) -> Rendered:
     finally:
         for handlers in around:
             handlers.remove(note)
-    (wall, cpu), (wall_end, cpu_end) = clocks
-    return Rendered(picture.astype(np.float64), wall_end - wall, cpu_end - cpu)
+    start, end = clocks
+    return Rendered(picture.astype(np.float64), end - start)
 
 
 def _scored(
     method: Method, found: list[list[Rendered]], counts: tuple[int, ...], truths: NDArray[np.float64], shown: Stage
 ) -> Contender:
     """A contender's bias, noise and time at each sample count."""
-    exact, reference = truths[:, shown.judged], truths.mean(axis=0)
+    exact = truths[:, shown.judged]
     errors = [statistics.error(_judged(renders, shown), exact) for renders in found]
-    timed = [renders[: _seeds(samples)] for samples, renders in zip(counts, found, strict=True)]
-    wall, cpu = ([[getattr(one, clock) for one in renders] for renders in timed] for clock in ("wall", "cpu"))
+    cpu = [[one.cpu for one in of[: _seeds(samples)]] for samples, of in zip(counts, found, strict=True)]
     return Contender(
         estimator=method.estimator, backend=method.backend, peer=method.peer, differs=method.differs,
         seeds=np.array([float(len(renders)) for renders in found]),
@@ -229,31 +221,6 @@ def _scored(
         bias2_error=np.array([one.bias2_error for one in errors]),
         noise=np.array([one.noise for one in errors]),
         resolved=np.array(statistics.resolved([one.noise for one in errors], counts)),
-        flip=np.array([np.mean([flip(reference, one.picture, shown.judged) for one in renders]) for renders in found]),
-        wall=np.array([np.median(seconds) for seconds in wall]),
         cpu=np.array([np.median(seconds) for seconds in cpu]),
         cpu_spread=np.array([np.std(seconds, ddof=1) / np.mean(seconds) for seconds in cpu]),
     )  # fmt: skip
-
-
-def pictures(folder: Path, name: str, subject: str, preset: Preset, other: Other | None) -> Pictures:
-    """Larger pictures to look at, as linear EXRs in the report's folder: the truth, and each contender in SVM."""
-    target = folder / "pictures" / bpy.app.version_string.split()[0]
-    target.mkdir(parents=True, exist_ok=True)
-    with stage(name, PICTURE_SIZE) as shown:
-        drawn = {"reference": _true(shown, name, preset, FIRST_TRUTH, fewer=LOOKED_AT)}
-        for one in (*contenders.ours(preset, ("nodes",), lamps=shown.lamp is not None), *contenders.native(preset)):
-            shown.item.active_material = one.make(shown.scene)
-            drawn[one.label] = _render(shown, PICTURE_SAMPLES, 1).picture
-        if truth.has(preset, name):  # which ends with the judged pixels; around them there is what has the least noise
-            drawn["reference"] = np.where(shown.judged[..., None], drawn["reference"], drawn[CLOSURE])
-    if other is not None:
-        render = other.peer.render(name, other.bsdf, PICTURE_SAMPLES, 1, PICTURE_SIZE)
-        drawn[other.method.label] = render.picture
-    files = {}
-    for label, picture in drawn.items():
-        path = target / f"{name}-{subject}-{label.split(',')[0].replace(' ', '_').lower()}.exr"
-        with replacing(path) as temporary:
-            images.write(temporary, picture.astype(np.float32), {})
-        files[label] = path.relative_to(folder).as_posix()
-    return Pictures(samples=PICTURE_SAMPLES, files=files)

@@ -27,9 +27,9 @@ class Contender:
 
     peer: "" for ours, "cycles" or "mitsuba". differs: how its model differs from the preset's. bias2: an unbiased
     estimate of bias^2, below 0 by chance where there is next to none; bias2_error: its standard error. noise: of one
-    picture. flip: FLIP of the judged pixels. wall, cpu: median seconds of a render; cpu_spread: the seeds' standard
-    deviation of cpu, as a share. resolved: false if no seed hit the light; noise and bias are then unknown. seeds:
-    pictures by sample count. slope_error: standard error of the slope of log noise, where it was measured.
+    picture. cpu: median seconds of a render; cpu_spread: the seeds' standard deviation of it, as a share. resolved:
+    false if no seed hit the light; noise and bias are then unknown. seeds: pictures by sample count. slope_error:
+    standard error of the slope of log noise, where it was measured.
     """
 
     estimator: str = ""
@@ -39,21 +39,11 @@ class Contender:
     bias2: Numbers
     bias2_error: Numbers
     noise: Numbers
-    flip: Numbers
-    wall: Numbers
     cpu: Numbers
     cpu_spread: Numbers
     resolved: Flags
     seeds: Numbers
     slope_error: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Pictures:
-    """Larger pictures to look at: paths relative to the report's folder, by contender and "reference"."""
-
-    samples: int
-    files: dict[str, str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +67,6 @@ class Accuracy:
     contenders: dict[str, Contender]
     smooth: bool = False
     without: str = ""
-    pictures: Pictures | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,7 +128,7 @@ class LeftOut:
     """A material as built, against the universal material, in one scene and setup. Pairs: as built, universal.
 
     slowdown: the universal material's render time over its own, the median of rounds; spread: the rounds' smallest and
-    largest. instructions: of OSL, 0 for nodes. memory_mb: beyond what Blender held before. same: both show the same
+    largest. instructions: of OSL, 0 for nodes. same: both show the same
     picture.
     """
 
@@ -152,7 +141,6 @@ class LeftOut:
     spread: tuple[float, float]
     nodes: tuple[int, int]
     instructions: tuple[int, int] = (0, 0)
-    memory_mb: tuple[float, float] | None = None
     same: bool = True
     omitted: tuple[OmittedPart, ...] = ()
 

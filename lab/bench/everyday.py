@@ -28,7 +28,6 @@ from .truth import frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from bpy.types import Material, Scene
     from numpy.typing import NDArray
@@ -76,7 +75,7 @@ def names(*, quick: bool) -> list[str]:
     return [*(QUICK if quick else SCENES)]
 
 
-def measure(_folder: Path, name: str, **_quick: bool) -> tuple[Everyday, ...]:
+def measure(name: str, **_quick: bool) -> tuple[Everyday, ...]:
     """One scene with all of its subjects; none where this Blender cannot make it."""
     one = SCENES[name]
     return tuple(_measured(name, subject) for subject in one.subjects if versions.since(*one.since))

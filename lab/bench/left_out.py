@@ -5,16 +5,13 @@ For each preset and scene: nodes, compiled OSL instructions and processor time o
 universal one, and whether pictures of the same seed agree; then each component that the builder left out is put back
 with a weight of 0 by data.
 
-Renders are timed by a Cycles that has compiled before; times are medians of rounds that take turns. Memory is by how
-much a process grows when it makes the material. SVM's count of instructions is only in Cycles' log, which the Python
-module cannot switch on: nodes have no figure but their number.
+Renders are timed by a Cycles that has compiled before; times are medians of rounds that take turns. SVM's count of
+instructions is only in Cycles' log, which the Python module cannot switch on: nodes have no figure but their number.
 """
 
 from __future__ import annotations
 
 import statistics
-import subprocess
-import sys
 import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -27,14 +24,12 @@ from ...addon.blender.course import Play
 from ...addon.blender.material import RANDOM, build
 from ...addon.choose import explain
 from ...addon.library import presets
-from ...headless import memory
 from ..scenery import add_object, light_data
 from . import scenes, universal, universal_data
 from .cells import LeftOut, OmittedPart
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
-    from pathlib import Path
 
     from bpy.types import Material, Object, Scene
     from numpy.typing import NDArray
@@ -85,8 +80,8 @@ def names(*, quick: bool) -> list[str]:
     return [*(QUICK if quick else CASES)]
 
 
-def measure(_folder: Path, case: str, *, quick: bool = False) -> tuple[LeftOut, ...]:
-    """A preset in all scenes; where its memory was measured, with that."""
+def measure(case: str, *, quick: bool = False) -> tuple[LeftOut, ...]:
+    """A preset in all scenes."""
     preset, backend = presets.find(CASES[case]), _backend()
     rounds = 1 if quick else ROUNDS
     most = QUICK_LINES if quick else None
@@ -95,8 +90,7 @@ def measure(_folder: Path, case: str, *, quick: bool = False) -> tuple[LeftOut, 
         found.append(setup(case, preset, OSL_SCENE, "osl", rounds))
     if not quick and case in BY_MIRROR:
         found.append(setup(case, preset, MIRROR_SCENE, backend, rounds, estimator="mirror", most=0))
-    memory = _memory(preset.id, "built"), _memory(preset.id, "universal")
-    return tuple(replace(one, memory_mb=memory) if one.scene == "lamps" else one for one in found)
+    return tuple(found)
 
 
 def _backend() -> str:
@@ -261,31 +255,3 @@ def _redraws(preset: Preset, choice: Choice) -> bool:
     It does so at another place, by the last digit, and the hash of that has nothing to do with the other's.
     """
     return preset.transparent and preset.m > 0.0 and choice.estimator in RANDOM
-
-
-# Memory, in a process of its own
-
-
-def _memory(identity: str, which: str) -> float:
-    """MB that the material takes beside Blender."""
-    command = [sys.executable, "-P", "-m", __name__, identity, which]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
-    return float(done.stdout.splitlines()[-1])
-
-
-def _child(identity: str, which: str) -> float:
-    headless.prepare()
-    preset = presets.find(identity)
-    with headless.quiet():
-        shown = stage("lamps")
-        shown.cycles.shading_system = _backend() == "osl"
-        choice: Choice = explain.chosen(preset, shown, _backend())[0]
-        before = memory.held()
-        memory.reset_peak()
-        made = build(preset, choice) if which == "built" else universal.build(choice)
-        _render(shown, made, universal_data.data_of(preset), 1)
-    return (memory.peak() - before) / 2**20
-
-
-if __name__ == "__main__":
-    print(_child(*sys.argv[1:]))

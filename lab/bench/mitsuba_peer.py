@@ -55,10 +55,9 @@ class PeerError(RuntimeError):
 
 @dataclass(frozen=True)
 class Rendered:
-    """A picture in linear RGB, (H, W, 3), and the seconds that its render took."""
+    """A picture in linear RGB, (H, W, 3), and the processor seconds that its render took."""
 
     picture: NDArray[np.float64]
-    wall: float
     cpu: float
 
 

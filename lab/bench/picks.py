@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ... import headless
 from ...addon.blender import facts
 from ...addon.blender.material import BUILDERS, NATIVE
@@ -14,14 +12,11 @@ from . import contenders
 from .cells import Picks
 from .scenes import stage
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 names = contenders.names
 SIZE = 8  # pixels, which decide nothing
 
 
-def measure(_folder: Path, name: str, subject: str, *, quick: bool) -> Picks:
+def measure(name: str, subject: str, *, quick: bool) -> Picks:
     """One scene and subject."""
     preset, found = contenders.subjects()[subject], []
     with headless.quiet(), stage(name, SIZE) as shown:

@@ -39,7 +39,7 @@ FILE = "report.json"
 LONGEST_FILE = 200_000_000  # bytes
 FORMAT = 3
 DIGITS = 9  # of a float; of those near 1 all
-PACKAGES = ("numpy", "scipy", "mitsuba", "flip-evaluator")
+PACKAGES = ("numpy", "scipy", "mitsuba")
 
 
 class ReportError(InputError):
@@ -48,10 +48,10 @@ class ReportError(InputError):
 
 @dataclass(frozen=True)
 class Cell:
-    """One thing to measure. measure: given the report's folder, for pictures, returns what ``PARTS`` says."""
+    """One thing to measure. measure: returns what ``PARTS`` says."""
 
     key: str
-    measure: Callable[[Path], Any]
+    measure: Callable[[], Any]
 
 
 @dataclass
@@ -104,12 +104,12 @@ class Record:
     def missing(self, wanted: Sequence[Cell]) -> list[Cell]:
         return [cell for cell in wanted if cell.key not in self.run.cells]
 
-    def measure(self, wanted: Sequence[Cell], folder: Path) -> Iterator[tuple[Cell, str]]:
+    def measure(self, wanted: Sequence[Cell]) -> Iterator[tuple[Cell, str]]:
         """Measure each cell and keep it before the next starts; with each the reason why it failed, or ""."""
         for cell in wanted:
             start = time.perf_counter()
             try:
-                measured = cell.measure(folder)
+                measured = cell.measure()
             except (RuntimeError, ValueError, ArithmeticError, SubprocessError) as error:
                 yield cell, " ".join(f"{type(error).__name__}: {error}".split())
             else:
@@ -129,14 +129,14 @@ class Record:
 def cells(*, quick: bool, more: Sequence[Cell] = ()) -> list[Cell]:
     """Everything a report measures, the same in each run. more: cells of what the laboratory may not import.
 
-    A part is a module of that name: ``names`` of its cells, and ``measure`` of the folder and what a name is made of.
+    A part is a module of that name: ``names`` of its cells, and ``measure`` of what a name is made of.
     """
     parts = {part: import_module(f".{part}", __package__) for part in PARTS}
     return [*(_cell(part, of, name, quick) for part, of in parts.items() for name in of.names(quick=quick)), *more]
 
 
 def _cell(part: str, of: Any, name: str, quick: bool) -> Cell:  # noqa: FBT001 - called above alone
-    return Cell(f"{part}/{name}", lambda folder: of.measure(folder, *name.split("/"), quick=quick))
+    return Cell(f"{part}/{name}", lambda: of.measure(*name.split("/"), quick=quick))
 
 
 def open_or_create(path: Path, blender: str, *, quick: bool, again: Sequence[str] = ()) -> Record:

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from ...addon.blender.course import DRIVINGS
+from ...addon.models import MODELS
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.oren_nayar_fit import KINDS
 from ..check.rows import FLOAT_SUM, NOISY_ROWS, SETUPS, Row, Setup, share_within, spread_z
 from ..sidak import limit
 from . import stability_measures as measures
+from . import stability_models as models
 from . import stability_reference as reference
 from .cells import Case
 from .stability_measures import ALL, NOISY_CASES, Outcome
@@ -22,8 +24,6 @@ from .stability_pictures import FIRST_SEED, Shot
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
-
 SLOPES = (1e-4, 1e-3, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0)
 ETAS = (0.1, 0.5, 1.0 - 2.0**-24, 1.0 - 1e-9, 1.0 + 1e-9, 1.0 + 2.0**-23, 1.5, 10.0)  # with float32's next to 1
 NEAREST = 90.0 - 2.0**-17  # degrees: what float32 holds of 90 - 1e-6
@@ -154,6 +154,17 @@ TABLE: tuple[Sweep, ...] = (
         for law in ("exponential", "logistic")
         for driving in DRIVINGS
     ),
+    *(
+        Sweep("models", f"{what}, {model}, {e}", values, partial(models.sky, e, of), FIT_MOST if e == "fit" else 1.0)
+        for model, (what, values, of) in models.VARIED.items()
+        for e in ("mirror", "fit", "closure")
+        if e in MODELS[model].estimators
+    ),
+    *(
+        Sweep("tangents", f"{model}, {e}", models.TANGENTS, partial(models.tangent, e, model), None, quick=False)
+        for model in models.GROOVED
+        for e in ("direct", "fit", "closure")
+    ),
     *(Sweep("reference", what, values, measure, most, setups=()) for what, values, measure, most in reference.ROWS),
 )
 
@@ -166,7 +177,7 @@ def names(**_quick: bool) -> list[str]:
     return [*dict.fromkeys(sweep.group for sweep in TABLE)]
 
 
-def measure(_folder: Path, group: str, *, quick: bool) -> tuple[Case, ...]:
+def measure(group: str, *, quick: bool) -> tuple[Case, ...]:
     return tuple(judged(*case) for case in cases(group, quick=quick))
 
 

@@ -9,26 +9,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...addon.blender import gonio
 from ...addon.library.presets import Preset, parse
-from ...addon.models.estimators import NATIVE
-from ...addon.reference import Anisotropic, Schlick, rendered
+from ...addon.reference import Anisotropic, Schlick
 from ...addon.reference.quadrature import vgroove_albedo
 from .cook_torrance import fresnel_approximation
-from .rows import SETUPS, Plan, Row, Setup, View, side_by_side
+from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .views import (
-    OSL_THETAS,
-    THETAS,
-    WINDOW,
     closure_bar,
     direct_bar,
-    disc,
-    furnace,
-    measure,
     mirror_furnace_view,
+    mirror_sun_view,
+    moments_by_azimuth,
     noiseless,
-    pooled_view,
-    sun_radiance,
+    noiseless_row,
+    suns,
 )
 
 if TYPE_CHECKING:
@@ -64,39 +58,19 @@ def white(m: float, anisotropy: float, rotation: float) -> Anisotropic:
     return replace(model, fresnel=Schlick(1.0))
 
 
-def model_of(preset: Preset, geometry: gonio.Geometry) -> Anisotropic:
-    """The reference in the gonioreflectometer's frame, whose patch has its tangent at an azimuth of its own."""
-    model: Anisotropic = preset.reference()
-    return replace(model, azimuth=model.azimuth + float(np.radians(geometry.tangent)))
-
-
 def exact_row(estimator: str, setup: Setup, fresnel: str, anisotropy: float, turn: int, m: float) -> Row:
     """An estimator without noise under a sun of zero size; ``corrected`` is the formula itself there."""
     phi_i, tangent, rotation = TURNS[turn]
     preset = material(fresnel, m, anisotropy, rotation)
-    native = estimator in NATIVE
-    narrowest = preset.reference().m_y
-    bar = direct_bar(m) if estimator == "direct" else closure_bar(narrowest)
+    bar = direct_bar(m) if estimator == "direct" else closure_bar(preset.reference().m_y)
     if estimator == "direct" and setup.shading_osl:
         bar = max(bar, 1e-4)  # OSL's exp() and sqrt() round to 1e-6 and less
     approximate = fresnel_approximation(setup, fresnel) if estimator != "direct" else 0.0
-    bar = approximate or bar
-    row = Row(estimator, setup, MODEL, fresnel, {"m": m, "anisotropy": anisotropy, "turn": turn})
-    for theta_i in THETAS if setup is not SETUPS[1] else OSL_THETAS:
-        for window in (0.0, WINDOW):
-            geometry = gonio.Geometry(theta_i, window, phi_i=phi_i, tangent=tangent)
-            wi, wo = geometry.wi(), geometry.wo()
-            model = model_of(preset, geometry)
-            expected = rendered(model, estimator if native else "direct")(wi, wo)
-            lobe = replace(model, fresnel=Schlick(1.0)) if approximate else model
-            shown = rendered(lobe, estimator if native else "direct")
-            scale = max(float(np.max(shown(wi, wo))), 2.0**-64 * float(np.max(shown(wi, wi * [-1.0, -1.0, 1.0]))))
-            image = measure(preset, setup, estimator, geometry)
-            if estimator == "corrected":  # a difference of two equal numbers, which may round to below 0
-                scale = max(scale, float(np.max(rendered(lobe, "fit")(wi, wo))))
-                image = np.where(image >= -bar * scale, np.maximum(image, 0.0), image)
-            row.views.append(View(geometry, image, expected, bar, scale))
-    return row
+    lobe = white(m, anisotropy, rotation) if approximate else None
+    at = {"m": m, "anisotropy": anisotropy, "turn": turn}
+    return noiseless_row(
+        estimator, setup, preset, approximate or bar, variant=fresnel, at=at, lobe=lobe, phi_i=phi_i, tangent=tangent
+    )
 
 
 def furnace_row(setup: Setup, fresnel: str, anisotropy: float, rotation: float, m: float) -> Row:
@@ -108,36 +82,25 @@ def furnace_row(setup: Setup, fresnel: str, anisotropy: float, rotation: float, 
 
 @cache
 def furnace_moments(model: Anisotropic) -> tuple[NDArray[np.float64], ...]:
-    """E[w], E[w^2], E[w^3] of the weight at each pixel, (32, 32, 3); views from opposite sides see the same."""
-    wo = furnace().wo()
-    half = wo[:, : wo.shape[1] // 2]
-    x, y, z = np.moveaxis(half, -1, 0)
+    """As ``moments_by_azimuth``."""
     cos, sin = np.cos(model.azimuth), np.sin(model.azimuth)
-    turned = np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=-1)
-    moments = (vgroove_albedo(turned, model.m_x, model.fresnel, m_y=model.m_y, moment=k) for k in (1, 2, 3))
-    return tuple(np.concatenate([moment, moment], axis=1) for moment in moments)
+
+    def moment(wo: NDArray[np.float64], power: int) -> NDArray[np.float64]:
+        x, y, z = np.moveaxis(wo, -1, 0)
+        along = np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=-1)
+        return vgroove_albedo(along, model.m_x, model.fresnel, m_y=model.m_y, moment=power)
+
+    return moments_by_azimuth(moment)
 
 
 def sun_row(setup: Setup, fresnel: str, anisotropy: float, turn: int, m: float) -> Row:
     """``mirror`` under a sun of 30 degrees: the mean of f over its disc, weighted by the cosine."""
     phi_i, tangent, rotation = TURNS[turn]
     preset = material(fresnel, m, anisotropy, rotation)
-    row = Row("mirror, sun", setup, MODEL, fresnel, {"m": m, "anisotropy": anisotropy}, noisy_rows=NOISY_ROWS)
-    samples = SUN_SAMPLES[m]
-    for theta_i in SUN_THETAS:
-        geometry = gonio.Geometry(
-            theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE, phi_i=phi_i, tangent=tangent
-        )
-        model, wo, radiance = model_of(preset, geometry), geometry.wo(), sun_radiance(geometry)
-        mean, square = np.zeros_like(wo), np.zeros_like(wo)
-        for wi, weight in zip(*disc(geometry), strict=True):
-            f_cos = model.evaluate(wi, wo) * max(wi[2], 0.0)
-            density = model.pdf(wi, wo)[..., None]
-            mean += weight * radiance * f_cos
-            square += weight * radiance**2 * f_cos**2 / np.where(density > 0, density, 1.0)
-        measured = measure(preset, setup, "mirror", geometry, samples=samples)
-        row.views.append(pooled_view(geometry, samples * mean[..., 0] / radiance, measured, mean, square, samples))
-    return row
+    at = {"m": m, "anisotropy": anisotropy}
+    geometries = suns(SUN_THETAS, SUN_ANGLE, phi_i=phi_i, tangent=tangent)
+    views = [mirror_sun_view(preset, setup, geometry, SUN_SAMPLES[m]) for geometry in geometries]
+    return Row("mirror, sun", setup, MODEL, fresnel, at, views, NOISY_ROWS)
 
 
 def plan() -> Plan:

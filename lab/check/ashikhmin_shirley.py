@@ -3,44 +3,35 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...addon.blender import gonio
 from ...addon.library.presets import Preset, parse
-from ...addon.models.ashikhmin_shirley import SHARPNESS
-from ...addon.models.estimators import NATIVE
-from ...addon.reference import albedo, rendered
+from ...addon.models.ashikhmin_shirley import LAMBERT, SHARPNESS
+from ...addon.reference import albedo
 from ...addon.reference.ashikhmin_shirley_fit import slopes
 from .anisotropic import ROTATIONS, SUN_THETAS, TURNS
-from .rows import SETUPS, Plan, Row, Setup, View, side_by_side
+from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
 from .views import (
-    OSL_THETAS,
-    THETAS,
-    WINDOW,
     closure_bar,
     direct_bar,
-    disc,
-    furnace,
-    measure,
     mirror_furnace_view,
+    mirror_sun_view,
+    moments_by_azimuth,
     noiseless,
-    pooled_view,
-    sun_radiance,
+    noiseless_row,
+    suns,
 )
-
-if TYPE_CHECKING:
-    from ...addon.reference.ashikhmin_shirley import AshikhminShirley
 
 MODEL = "ashikhmin_shirley"
 TEXT = """name = "Test"
 model = "ashikhmin_shirley"
+kind = {!r}
 albedo = {}
 specular = {}
+amplitude = {}
 sharpness = {!r}
 anisotropy = {!r}
 rotation = {!r}
@@ -48,64 +39,48 @@ rotation = {!r}
 data = "check"
 """
 DEEP = (0.3, 0.2, 0.5)
+TINTS = {"plain": (1.0, 1.0, 1.0), LAMBERT: (0.5, 0.4, 0.3)}
 SHAPES = ((0.6, 0.5), (1.0, 0.3), (0.45, 0.0), (0.3, 0.8), (0.2, 0.9), (0.1, 0.7))  # Roughness and anisotropy
 FEW_SHAPES = ((0.45, 0.8),)
 MIRROR_SHAPES = ((0.3, 0.8), (0.6, 0.6), (0.8, 1.0))
 FURNACE_SAMPLES = 1024
 SUN_ANGLE, SUN_SAMPLES = 30.0, {0.3: 5120, 0.6: 7168, 0.8: 15360}
-NOISY_ROWS = 17  # a test holds it to the plan
+NOISY_ROWS = 19  # a test holds it to the plan
 
 
 def material(
-    roughness: float, anisotropy: float, rotation: float, *, deep: tuple[float, ...] = DEEP, gray: bool = False
-) -> Preset:
+    roughness: float, anisotropy: float, rotation: float, kind: str = "plain", *, deep: tuple[float, ...] = DEEP,
+    gray: bool = False,
+) -> Preset:  # fmt: skip
     """A test material of numbers as float32 sockets hold them; ``gray``: a dielectric."""
     sharpness = min(max(SHARPNESS.scale.of_input(float(np.float32(roughness))), SHARPNESS.low), SHARPNESS.high)
-    colors = [[float(np.float32(part)) for part in rgb] for rgb in (deep, (0.04,) * 3 if gray else (0.2, 0.4, 0.6))]
+    colors = [
+        [float(np.float32(part)) for part in rgb]
+        for rgb in (deep, (0.04,) * 3 if gray else (0.2, 0.4, 0.6), TINTS[kind])
+    ]
     held = (float(np.float32(number)) for number in (anisotropy, rotation))
-    return parse(TEXT.format(*colors, sharpness, *held), "check/ashikhmin_shirley", "check")
-
-
-def model_of(preset: Preset, geometry: gonio.Geometry) -> AshikhminShirley:
-    """The reference in the gonioreflectometer's frame, whose patch has its tangent at an azimuth of its own."""
-    model: AshikhminShirley = preset.reference()
-    return replace(model, azimuth=model.azimuth + float(np.radians(geometry.tangent)))
+    return parse(TEXT.format(kind, *colors, sharpness, *held), "check/ashikhmin_shirley", "check")
 
 
 def exact_row(estimator: str, setup: Setup, anisotropy: float, turn: int, roughness: float) -> Row:
     """An estimator without noise under a sun of zero size; ``corrected`` is the formula itself there."""
     phi_i, tangent, rotation = TURNS[turn]
-    preset = material(roughness, anisotropy, rotation, gray=turn == 1)
-    native = estimator in NATIVE
+    kind = LAMBERT if turn == 2 else "plain"
+    preset = material(roughness, anisotropy, rotation, kind, gray=turn == 1)
     narrowest = min(slopes(preset.reference().n_u, preset.reference().n_v))
     bar = direct_bar(roughness**2) if estimator == "direct" else closure_bar(narrowest)
     if estimator == "direct" and setup.shading_osl:
         bar = max(bar, 1e-4)  # OSL's exp() and sqrt() round to 1e-6 and less
-    row = Row(estimator, setup, MODEL, "", {"roughness": roughness, "anisotropy": anisotropy, "turn": turn})
-    for theta_i in THETAS if setup is not SETUPS[1] else OSL_THETAS:
-        for window in (0.0, WINDOW):
-            geometry = gonio.Geometry(theta_i, window, phi_i=phi_i, tangent=tangent)
-            wi, wo = geometry.wi(), geometry.wo()
-            model = model_of(preset, geometry)
-            shown = rendered(model, estimator if native else "direct")
-            expected = shown(wi, wo)
-            scale = float(np.max(expected))
-            image = measure(preset, setup, estimator, geometry)
-            if estimator == "corrected":  # a difference of two nearly equal numbers, which may round to below 0
-                scale = max(scale, float(np.max(rendered(model, "fit")(wi, wo))))
-                image = np.where(image >= -bar * scale, np.maximum(image, 0.0), image)
-            row.views.append(View(geometry, image, expected, bar, scale))
-    return row
+    at = {"roughness": roughness, "anisotropy": anisotropy, "turn": turn}
+    variant = preset.spec.kinds[kind]
+    return noiseless_row(estimator, setup, preset, bar, variant=variant, at=at, phi_i=phi_i, tangent=tangent)
 
 
 def furnace_row(setup: Setup, anisotropy: float, rotation: float, roughness: float) -> Row:
     """``mirror`` under a uniform white world: the highlight's directional albedo, which the azimuth changes."""
     preset = material(roughness, anisotropy, rotation, deep=(0.0, 0.0, 0.0))
-    model: AshikhminShirley = preset.reference()
-    wo = furnace().wo()
-    half = wo[:, : wo.shape[1] // 2]
-    moments = [np.concatenate([found, found], axis=1) for found in (model.moment(half, power) for power in (1, 2, 3))]
-    view = mirror_furnace_view(preset, setup, tuple(moments), FURNACE_SAMPLES)
+    moments = moments_by_azimuth(preset.reference().moment)
+    view = mirror_furnace_view(preset, setup, moments, FURNACE_SAMPLES)
     at = {"roughness": roughness, "anisotropy": anisotropy}
     return Row("mirror, furnace", setup, MODEL, "", at, [view], NOISY_ROWS)
 
@@ -115,38 +90,24 @@ def sun_row(setup: Setup, anisotropy: float, turn: int, roughness: float) -> Row
     phi_i, tangent, rotation = TURNS[turn]
     preset = material(roughness, anisotropy, rotation, deep=(0.0, 0.0, 0.0))
     at = {"roughness": roughness, "anisotropy": anisotropy}
-    row = Row("mirror, sun", setup, MODEL, "", at, noisy_rows=NOISY_ROWS)
-    samples = SUN_SAMPLES[roughness]
-    for theta_i in SUN_THETAS:
-        geometry = gonio.Geometry(
-            theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE, phi_i=phi_i, tangent=tangent
-        )
-        model, wo, radiance = model_of(preset, geometry), geometry.wo(), sun_radiance(geometry)
-        mean, square = np.zeros_like(wo), np.zeros_like(wo)
-        for wi, weight in zip(*disc(geometry), strict=True):
-            f_cos = model.evaluate(wi, wo) * max(wi[2], 0.0)
-            density = model.pdf(wi, wo)[..., None]
-            mean += weight * radiance * f_cos
-            square += weight * radiance**2 * f_cos**2 / np.where(density > 0, density, 1.0)
-        measured = measure(preset, setup, "mirror", geometry, samples=samples)
-        row.views.append(pooled_view(geometry, samples * mean[..., 0] / radiance, measured, mean, square, samples))
-    return row
+    geometries = suns(SUN_THETAS, SUN_ANGLE, phi_i=phi_i, tangent=tangent)
+    views = [mirror_sun_view(preset, setup, geometry, SUN_SAMPLES[roughness]) for geometry in geometries]
+    return Row("mirror, sun", setup, MODEL, "", at, views, NOISY_ROWS)
 
 
-def deep_row(setup: Setup, roughness: float) -> Row:
+def deep_row(setup: Setup, kind: str, roughness: float) -> Row:
     """``mirror`` of both parts, between which Cycles chooses, under a uniform white world."""
-    preset = material(roughness, 0.0, 0.0)
+    preset = material(roughness, 0.0, 0.0, kind)
     view = furnace_view(preset, setup, "mirror", albedo(preset.reference(), furnace_directions())[:, None])
-    return Row("mirror, furnace, both", setup, MODEL, "", {"roughness": roughness}, [view], NOISY_ROWS)
+    variant = preset.spec.kinds[kind]
+    return Row("mirror, furnace, both", setup, MODEL, variant, {"roughness": roughness}, [view], NOISY_ROWS)
 
 
 def wide_row(setup: Setup, roughness: float) -> Row:
     """``corrected`` under a sun of 30 degrees, whose emission asks for one light within it."""
-    row = Row("corrected, sun", setup, MODEL, "", {"roughness": roughness}, noisy_rows=NOISY_ROWS)
-    for theta_i in SUN_THETAS:
-        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE, phi_i=20.0)
-        row.views.append(sun_view(material(roughness, 0.6, 0.1), setup, "corrected", geometry, 512, 0.2))
-    return row
+    preset = material(roughness, 0.6, 0.1)
+    views = [sun_view(preset, setup, "corrected", of, 512, 0.2) for of in suns(SUN_THETAS, SUN_ANGLE, phi_i=20.0)]
+    return Row("corrected, sun", setup, MODEL, "", {"roughness": roughness}, views, NOISY_ROWS)
 
 
 def plan() -> Plan:
@@ -161,7 +122,8 @@ def plan() -> Plan:
                 rows += [partial(exact_row, name, setup, 0.8, k, 0.45) for k in range(len(TURNS))]
         if not few:
             rows += [partial(sun_row, setup, a, k, r) for k, (r, a) in enumerate(MIRROR_SHAPES, 1)]
-            rows += [partial(of, setup, 0.6) for of in (deep_row, wide_row)]
+            rows += [partial(deep_row, setup, kind, 0.6) for kind in TINTS]
+            rows.append(partial(wide_row, setup, 0.6))
         turned = [
             (r, a, rotation) for (r, a), rotation in zip(MIRROR_SHAPES, ROTATIONS, strict=True) if r == 0.6 or not few
         ]

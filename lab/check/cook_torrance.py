@@ -30,13 +30,11 @@ from .views import (
     SUN_ANGLES,
     closure_bar,
     direct_bar,
-    disc,
     furnace,
-    measure,
     mirror_furnace_view,
+    mirror_sun_view,
     noiseless_row,
-    pooled_view,
-    sun_radiance,
+    suns,
 )
 
 if TYPE_CHECKING:
@@ -176,23 +174,9 @@ def furnace_moments(fresnel: Fresnel, m: float) -> tuple[NDArray[np.float64], ..
 def sun_row(setup: Setup, fresnel: str, m: float) -> Row:
     """``mirror`` under a sun of 10 to 30 degrees: the mean of f over its disc, weighted by the cosine."""
     preset = materials()[fresnel].with_parameters(m=m)
-    model = preset.reference()
-    samples, angle = SUN_SAMPLES[m], SUN_ANGLES[m]
-    row = Row("mirror, sun", setup, MODEL, fresnel, {"m": m}, noisy_rows=NOISY_ROWS)
-    for theta_i in SUN_THETAS:
-        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=angle)
-        wo = geometry.wo()
-        mean, square = np.zeros_like(wo), np.zeros_like(wo)
-        radiance = sun_radiance(geometry)
-        for wi, weight in zip(*disc(geometry), strict=True):
-            f_cos = model.evaluate(wi, wo) * max(wi[2], 0.0)
-            density = model.pdf(wi, wo)[..., None]
-            mean += weight * radiance * f_cos
-            square += weight * radiance**2 * f_cos**2 / np.where(density > 0, density, 1.0)
-        measured = measure(preset, setup, "mirror", geometry, samples=samples)
-        hits = samples * mean[..., 0] / radiance
-        row.views.append(pooled_view(geometry, hits, measured, mean, square, samples))
-    return row
+    geometries = suns(SUN_THETAS, SUN_ANGLES[m])
+    views = [mirror_sun_view(preset, setup, geometry, SUN_SAMPLES[m]) for geometry in geometries]
+    return Row("mirror, sun", setup, MODEL, fresnel, {"m": m}, views, NOISY_ROWS)
 
 
 def hybrid_furnace_row(setup: Setup, fresnel: str, m: float) -> Row:
@@ -221,11 +205,9 @@ def furnace_excess(fresnel: Fresnel, m: float) -> tuple[NDArray[np.float64], NDA
 def seeded_sun_row(estimator: str, setup: Setup, fresnel: str, m: float) -> Row:
     """``corrected`` and ``hybrid`` under a sun of 20 degrees: the mean of f over its disc, weighted by the cosine."""
     preset = materials()[fresnel].with_parameters(m=m)
-    row = Row(f"{estimator}, sun", setup, MODEL, fresnel, {"m": m}, noisy_rows=SEEDED_NOISY_ROWS)
-    for theta_i in SEEDED_SUN_THETAS:
-        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=SEEDED_SUN_ANGLE)
-        row.views.append(sun_view(preset, setup, estimator, geometry, SEEDED_SUN_SAMPLES[estimator], MIRRORED))
-    return row
+    samples, geometries = SEEDED_SUN_SAMPLES[estimator], suns(SEEDED_SUN_THETAS, SEEDED_SUN_ANGLE)
+    views = [sun_view(preset, setup, estimator, geometry, samples, MIRRORED) for geometry in geometries]
+    return Row(f"{estimator}, sun", setup, MODEL, fresnel, {"m": m}, views, SEEDED_NOISY_ROWS)
 
 
 def plan() -> Plan:

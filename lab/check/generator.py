@@ -7,14 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from ...addon.blender import gonio
 from ...addon.library.presets import Preset, parse
 from ...addon.reference import albedo
 from ...addon.reference.facet_distribution import Distribution
 from ...addon.reference.generator_fit import beckmann_terms
 from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
-from .views import closure_bar, direct_bar, noiseless, noiseless_row
+from .views import closure_bar, direct_bar, noiseless, noiseless_row, suns
 
 MODEL = "generator"
 SLOPES = (0.3, 0.1)  # how wide each distribution is, about as Beckmann's of this slope
@@ -73,11 +72,9 @@ def furnace_row(setup: Setup, shape: str, m: float) -> Row:
 
 def sun_row(setup: Setup, shape: str, m: float) -> Row:
     """``mirror`` under a sun of 30 degrees: the mean of f over its disc, weighted by the cosine."""
-    row = Row("mirror, sun", setup, MODEL, shape, {"m": m}, noisy_rows=NOISY_ROWS)
-    for theta_i in SUN_THETAS:
-        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE)
-        row.views.append(sun_view(preset(shape, m, 0.0), setup, "mirror", geometry, SUN_SAMPLES, 0.2))
-    return row
+    of = preset(shape, m, 0.0)
+    views = [sun_view(of, setup, "mirror", geometry, SUN_SAMPLES, 0.2) for geometry in suns(SUN_THETAS, SUN_ANGLE)]
+    return Row("mirror, sun", setup, MODEL, shape, {"m": m}, views, NOISY_ROWS)
 
 
 def plan() -> Plan:

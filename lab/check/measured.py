@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...addon.blender import gonio
 from ...addon.library.presets import Preset, parse
 from ...addon.measured import tabulate, write_merl
 from ...addon.measured.library import digest_of
@@ -18,7 +17,7 @@ from ...addon.reference import CookTorrance, Lambert, OrenNayar, Schlick, albedo
 from ...addon.reference.directions import half_vector
 from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
-from .views import closure_bar, noiseless_row
+from .views import closure_bar, noiseless_row, suns
 
 if TYPE_CHECKING:
     from ...addon.reference.directions import Floats
@@ -105,11 +104,9 @@ def furnace_row(setup: Setup, surface: str, m: float) -> Row:
 
 def sun_row(setup: Setup, surface: str, m: float) -> Row:
     """``mirror`` under a sun of 30 degrees: the mean of f over its disc, weighted by the cosine."""
-    row = Row("mirror, sun", setup, MODEL, surface, {"m": m}, noisy_rows=NOISY_ROWS)
-    for theta_i in SUN_THETAS:
-        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE)
-        row.views.append(sun_view(preset(surface, m), setup, "mirror", geometry, SUN_SAMPLES[m], 0.02))
-    return row
+    of, geometries = preset(surface, m), suns(SUN_THETAS, SUN_ANGLE)
+    views = [sun_view(of, setup, "mirror", geometry, SUN_SAMPLES[m], 0.02) for geometry in geometries]
+    return Row("mirror, sun", setup, MODEL, surface, {"m": m}, views, NOISY_ROWS)
 
 
 def plan() -> Plan:

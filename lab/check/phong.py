@@ -1,23 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rows of ``vgroove check`` for Phong, in every estimator and backend."""
+"""Rows of ``vgroove check`` for Phong and Blinn-Phong, in every estimator and backend."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...addon.blender import gonio
 from ...addon.library.presets import Preset, parse
 from ...addon.models import MODELS
 from ...addon.reference import albedo
 from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .seeds import furnace_directions, furnace_view, sun_view
-from .views import closure_bar, direct_bar, noiseless, noiseless_row
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from .views import closure_bar, direct_bar, noiseless, noiseless_row, suns
 
 MODEL = "phong"
 ROUGHNESSES = (1.0, 0.6, 0.3, 0.12)  # as Blender has it; the last is an exponent of 2411, of Blinn's 9643
@@ -44,58 +39,36 @@ data = "check"
     return parse(text, f"check/{model}", "check")
 
 
-def exact_row(estimator: str, setup: Setup, roughness: float) -> Row:
-    """As ``lobe_row``."""
-    return lobe_row(MODEL, estimator, setup, roughness)
-
-
-def furnace_row(setup: Setup, roughness: float) -> Row:
-    """As ``sky_row``."""
-    return sky_row(MODEL, setup, roughness)
-
-
-def sun_row(estimator: str, setup: Setup, roughness: float) -> Row:
-    """As ``disc_row``."""
-    return disc_row(MODEL, estimator, setup, roughness)
-
-
-def lobe_row(model: str, estimator: str, setup: Setup, roughness: float) -> Row:
+def exact_row(model: str, estimator: str, setup: Setup, roughness: float) -> Row:
     """Under a sun of zero size: ``closure`` against Cycles' closures as formulas, others against the model."""
     m = roughness * roughness
     bar = closure_bar(m) if estimator != "direct" else direct_bar(m)
     return noiseless_row(estimator, setup, preset(model, roughness), bar, variant="", at={"roughness": roughness})
 
 
-def sky_row(model: str, setup: Setup, roughness: float) -> Row:
+def furnace_row(model: str, setup: Setup, roughness: float) -> Row:
     """``mirror`` under a uniform white world: the directional albedo of the lobe alone."""
     of = preset(model, roughness, 0.0)
     view = furnace_view(of, setup, "mirror", albedo(of.reference(), furnace_directions())[:, None])
     return Row("mirror, furnace", setup, model, "", {"roughness": roughness}, [view], NOISY_ROWS)
 
 
-def disc_row(model: str, estimator: str, setup: Setup, roughness: float) -> Row:
+def sun_row(model: str, estimator: str, setup: Setup, roughness: float) -> Row:
     """Under a sun of 30 degrees: the mean of f over its disc, weighted by the cosine."""
-    row = Row(f"{estimator}, sun", setup, model, "", {"roughness": roughness}, noisy_rows=NOISY_ROWS)
-    for theta_i in SUN_THETAS:
-        geometry = gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE)
-        of = preset(model, roughness, 0.0 if estimator == "mirror" else 0.3)
-        row.views.append(sun_view(of, setup, estimator, geometry, SUN_SAMPLES[estimator], 0.2))
-    return row
+    of = preset(model, roughness, 0.0 if estimator == "mirror" else 0.3)
+    samples, geometries = SUN_SAMPLES[estimator], suns(SUN_THETAS, SUN_ANGLE)
+    views = [sun_view(of, setup, estimator, geometry, samples, 0.2) for geometry in geometries]
+    return Row(f"{estimator}, sun", setup, model, "", {"roughness": roughness}, views, NOISY_ROWS)
 
 
-def rows(model: str, exact: Callable[..., Row], sky: Callable[..., Row], sun: Callable[..., Row]) -> Plan:
-    """Every row of one of the two models, whose own functions name it."""
+def plan(model: str = MODEL) -> Plan:
+    """Every row of one of the two models."""
     found: Plan = []
     for setup in SETUPS:
         few = setup is SETUPS[1]  # the same nodes as in SVM, and slow to compile
         for estimator in noiseless(model):
-            found += [partial(exact, estimator, setup, r) for r in ((0.3,) if few else ROUGHNESSES)]
-        found += [partial(sky, setup, r) for r in ((0.3,) if few else MIRROR_ROUGHNESSES)]
+            found += [partial(exact_row, model, estimator, setup, r) for r in ((0.3,) if few else ROUGHNESSES)]
+        found += [partial(furnace_row, model, setup, r) for r in ((0.3,) if few else MIRROR_ROUGHNESSES)]
         if not few:  # nodes run as OSL draw the very same directions: the furnace shows it
-            found += [partial(sun, estimator, setup, 0.3) for estimator in SUN_SAMPLES]
+            found += [partial(sun_row, model, estimator, setup, 0.3) for estimator in SUN_SAMPLES]
     return side_by_side(found)
-
-
-def plan() -> Plan:
-    """Every row."""
-    return rows(MODEL, exact_row, furnace_row, sun_row)

@@ -23,11 +23,16 @@ def plan() -> Plan:
     return [row for name in (*names, *OTHERS) for row in import_module(f".{name}", __package__).plan()]
 
 
+def model_of(row: partial[Row]) -> str:
+    """Whose row it is: the file's of its function, or its first argument, where models share a file."""
+    return row.args[0] if row.args[0] in MODELS else row.func.__module__.rpartition(".")[2]
+
+
 def quick_plan() -> Plan:
     """One row of each kind and estimator, but for those under a sun with an angle, which take long."""
     first: dict[tuple[str, ...], partial[Row]] = {}
     for row in plan():
         estimator = [part for part in row.args if part in estimators.ALL]
         if row.args[-1] == 0.3 and "sun" not in row.func.__name__:
-            first.setdefault((row.func.__module__, row.func.__name__, *estimator), row)
+            first.setdefault((model_of(row), row.func.__name__, *estimator), row)
     return list(first.values())

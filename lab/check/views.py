@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ...addon.reference.quadrature import gauss_legendre
 from .rows import FLOAT_SUM, ROUNDING, SETUPS, Row, Setup, View
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -59,16 +60,19 @@ def measure(
 
 def noiseless_row(
     estimator: str, setup: Setup, preset: Preset, bar: float, *, variant: str, at: Mapping[str, float],
-    windows: tuple[float, ...] = (0.0, WINDOW), lobe: Model | None = None,
+    windows: tuple[float, ...] = (0.0, WINDOW), lobe: Model | None = None, phi_i: float = 0.0, tangent: float = 0.0,
 ) -> Row:  # fmt: skip
     """An estimator without noise under a sun of zero size, at every theta_i; ``variant`` and ``at`` name the row.
+
+    phi_i, tangent: azimuths of the light and of the patch's tangent, in degrees.
 
     There ``corrected`` and ``hybrid`` are the model itself. The bar is a share of the view's largest value, or of
     that of ``lobe``; for these two, where the model is next to 0 the mixture may not be, and what float32 rounds of it
     remains.
     """
     row = Row(estimator, setup, preset.model, variant, at)
-    model, lobe = preset.reference(), lobe or preset.reference()
+    model = turned(preset.reference(), tangent)
+    lobe = turned(lobe, tangent) if lobe else model
     native = estimator in NATIVE
     evaluate = rendered(model, estimator if native else "direct")
     scales = [rendered(lobe, estimator if native else "direct")]
@@ -76,7 +80,7 @@ def noiseless_row(
     scales += [rendered(lobe, "fit")] if signed else []
     for theta_i in THETAS if setup is not SETUPS[1] else OSL_THETAS:
         for window in windows:
-            geometry = gonio.Geometry(theta_i, window)
+            geometry = gonio.Geometry(theta_i, window, phi_i=phi_i, tangent=tangent)
             wi, wo = geometry.wi(), geometry.wo()
             # Where the view holds less than 2^-64 of the lobe there is only what exp() leaves of its underflow.
             peak = float(np.max(scales[0](wi, wi * [-1.0, -1.0, 1.0])))
@@ -86,6 +90,11 @@ def noiseless_row(
                 image = np.maximum(image, 0.0)
             row.views.append(View(geometry, image, evaluate(wi, wo), bar, scale))
     return row
+
+
+def turned(model: Any, tangent: float) -> Any:
+    """A reference in the gonioreflectometer's frame, whose patch has its tangent at an azimuth, in degrees."""
+    return replace(model, azimuth=model.azimuth + float(np.radians(tangent))) if tangent else model
 
 
 def sun_radiance(geometry: gonio.Geometry) -> float:
@@ -111,9 +120,48 @@ def disc(
     return directions.reshape(-1, 3), weights
 
 
+def suns(thetas: Iterable[float], angle: float, **azimuths: float) -> list[gonio.Geometry]:
+    """Views around the mirror direction of suns ``angle`` degrees wide at each of ``thetas``."""
+    return [
+        gonio.Geometry(theta_i, window=20.0, resolution=(16, 16), sun_angle=angle, **azimuths)  # type: ignore[arg-type]
+        for theta_i in thetas
+    ]
+
+
+def mirror_sun_view(
+    preset: Preset, setup: Setup, geometry: gonio.Geometry, samples: int, *, by_density: bool = False
+) -> View:
+    """``mirror`` under a sun with an angle: the mean of f over its disc, weighted by the cosine.
+
+    by_density: the hits that are expected are those of the draws' density; else as many as a weight of 1 would take.
+    """
+    model, wo, radiance = turned(preset.reference(), geometry.tangent), geometry.wo(), sun_radiance(geometry)
+    mean, square, hits = np.zeros_like(wo), np.zeros_like(wo), np.zeros(wo.shape[:-1])
+    for wi, weight in zip(*disc(geometry), strict=True):
+        f_cos = model.evaluate(wi, wo) * max(wi[2], 0.0)
+        density = model.pdf(wi, wo)
+        mean += weight * radiance * f_cos
+        square += weight * radiance**2 * f_cos**2 / np.where(density > 0, density, 1.0)[..., None]
+        hits += weight * density
+    measured = measure(preset, setup, "mirror", geometry, samples=samples)
+    expected = samples * hits if by_density else samples * mean[..., 0] / radiance
+    return pooled_view(geometry, expected, measured, mean, square, samples)
+
+
 def furnace() -> gonio.Geometry:
     """A white sky."""
     return gonio.Geometry(furnace=True, resolution=(FURNACE_SIZE, FURNACE_SIZE))
+
+
+def moments_by_azimuth(
+    moment: Callable[[NDArray[np.float64], int], NDArray[np.float64]],
+) -> tuple[NDArray[np.float64], ...]:
+    """E[w], E[w^2], E[w^3] of a weight at each pixel of a furnace, (32, 32, 3); opposite views see the same.
+
+    moment: of directions and a power.
+    """
+    half = furnace().wo()[:, : FURNACE_SIZE // 2]
+    return tuple(np.concatenate([found, found], axis=1) for found in (moment(half, power) for power in (1, 2, 3)))
 
 
 def mirror_furnace_view(preset: Preset, setup: Setup, moments: tuple[NDArray[np.float64], ...], samples: int) -> View:

@@ -3,36 +3,24 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...addon.blender import gonio
 from ...addon.library.presets import Preset, parse
-from ...addon.models.estimators import NATIVE
-from ...addon.reference import rendered
 from . import anisotropic
 from .anisotropic import FEW_SHAPES, MIRROR_SHAPES, ROTATIONS, SUN_SAMPLES, SUN_THETAS, TURNS
-from .rows import SETUPS, Plan, Row, Setup, View, side_by_side
+from .rows import SETUPS, Plan, Row, Setup, side_by_side
 from .views import (
-    OSL_THETAS,
-    THETAS,
-    WINDOW,
     closure_bar,
     direct_bar,
-    disc,
-    furnace,
-    measure,
     mirror_furnace_view,
+    mirror_sun_view,
+    moments_by_azimuth,
     noiseless,
-    pooled_view,
-    sun_radiance,
+    noiseless_row,
+    suns,
 )
-
-if TYPE_CHECKING:
-    from ...addon.reference.ward import Ward
 
 MODEL = "ward"
 TEXT = (
@@ -52,12 +40,6 @@ def material(kind: str, m: float, anisotropy: float, rotation: float, albedo: fl
     return parse(TEXT.format(kind, albedo, SPECULAR, m, anisotropy, rotation), "check/ward", "check")
 
 
-def model_of(preset: Preset, geometry: gonio.Geometry) -> Ward:
-    """The reference in the gonioreflectometer's frame, whose patch has its tangent at an azimuth of its own."""
-    model: Ward = preset.reference()
-    return replace(model, azimuth=model.azimuth + float(np.radians(geometry.tangent)))
-
-
 def exact_row(estimator: str, setup: Setup, kind: str, anisotropy: float, turn: int, m: float) -> Row:
     """An estimator without noise under a sun of zero size; ``corrected`` is the formula itself there.
 
@@ -65,34 +47,19 @@ def exact_row(estimator: str, setup: Setup, kind: str, anisotropy: float, turn: 
     """
     phi_i, tangent, rotation = TURNS[turn]
     preset = material(kind, m, anisotropy, rotation, 0.0625)
-    native, signed = estimator in NATIVE, estimator == "corrected"
     bar = direct_bar(m) if estimator == "direct" else closure_bar(preset.reference().m_y)
     if estimator == "direct" and setup.shading_osl:
         bar = max(bar, 1e-4)  # OSL's exp() and sqrt() round to 1e-6 and less
-    row = Row(estimator, setup, MODEL, kind, {"m": m, "anisotropy": anisotropy, "turn": turn})
-    for theta_i in THETAS if setup is not SETUPS[1] else OSL_THETAS:
-        for window in (0.0, WINDOW):
-            geometry = gonio.Geometry(theta_i, window, phi_i=phi_i, tangent=tangent)
-            wi, wo, model = geometry.wi(), geometry.wo(), model_of(preset, geometry)
-            expected = rendered(model, estimator if native else "direct")(wi, wo)
-            scales = [float(np.max(expected))] + ([float(np.max(rendered(model, "fit")(wi, wo)))] if signed else [])
-            image = measure(preset, setup, estimator, geometry)
-            if signed:  # a difference of two equal numbers, which may round to below 0
-                image = np.where(image >= -bar * max(scales), np.maximum(image, 0.0), image)
-            row.views.append(View(geometry, image, expected, bar, max(scales)))
-    return row
+    at = {"m": m, "anisotropy": anisotropy, "turn": turn}
+    return noiseless_row(estimator, setup, preset, bar, variant=kind, at=at, phi_i=phi_i, tangent=tangent)
 
 
 def furnace_row(setup: Setup, kind: str, anisotropy: float, rotation: float, m: float) -> Row:
     """``mirror`` of the lobe alone under a uniform white world: its albedo, which the azimuth of the view changes."""
     preset = material(kind, m, anisotropy, rotation)
-    model, wo = preset.reference(), furnace().wo()
-    half = wo[:, : wo.shape[1] // 2]  # views from opposite sides see the same
-    moments = [
-        np.concatenate([of, of], axis=1)
-        for of in (model.lobe_moment(half, k)[..., None] * np.array(SPECULAR) ** k for k in (1, 2, 3))
-    ]
-    view = mirror_furnace_view(preset, setup, tuple(moments), FURNACE_SAMPLES)
+    model, specular = preset.reference(), np.array(SPECULAR)
+    moments = moments_by_azimuth(lambda wo, power: model.lobe_moment(wo, power)[..., None] * specular**power)
+    view = mirror_furnace_view(preset, setup, moments, FURNACE_SAMPLES)
     return Row("mirror, furnace", setup, MODEL, kind, {"m": m, "anisotropy": anisotropy}, [view], NOISY_ROWS)
 
 
@@ -100,23 +67,10 @@ def sun_row(setup: Setup, kind: str, anisotropy: float, turn: int, m: float) -> 
     """``mirror`` of the lobe alone under a sun of 30 degrees: the mean of f over its disc, weighted by the cosine."""
     phi_i, tangent, rotation = TURNS[turn]
     preset = material(kind, m, anisotropy, rotation)
-    row = Row("mirror, sun", setup, MODEL, kind, {"m": m, "anisotropy": anisotropy}, noisy_rows=NOISY_ROWS)
-    samples = SUN_SAMPLES[m]
-    for theta_i in SUN_THETAS:
-        geometry = gonio.Geometry(
-            theta_i, window=20.0, resolution=(16, 16), sun_angle=SUN_ANGLE, phi_i=phi_i, tangent=tangent
-        )
-        model, wo, radiance = model_of(preset, geometry), geometry.wo(), sun_radiance(geometry)
-        mean, square, hits = np.zeros_like(wo), np.zeros_like(wo), np.zeros(wo.shape[:-1])
-        for wi, weight in zip(*disc(geometry), strict=True):
-            f_cos = model.evaluate(wi, wo) * max(wi[2], 0.0)
-            density = model.pdf(wi, wo)
-            mean += weight * radiance * f_cos
-            square += weight * radiance**2 * f_cos**2 / np.where(density > 0, density, 1.0)[..., None]
-            hits += weight * density
-        measured = measure(preset, setup, "mirror", geometry, samples=samples)
-        row.views.append(pooled_view(geometry, samples * hits, measured, mean, square, samples))
-    return row
+    at = {"m": m, "anisotropy": anisotropy}
+    geometries = suns(SUN_THETAS, SUN_ANGLE, phi_i=phi_i, tangent=tangent)
+    views = [mirror_sun_view(preset, setup, geometry, SUN_SAMPLES[m], by_density=True) for geometry in geometries]
+    return Row("mirror, sun", setup, MODEL, kind, at, views, NOISY_ROWS)
 
 
 def plan() -> Plan:

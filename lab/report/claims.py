@@ -202,14 +202,7 @@ def _everyday(run: Run) -> Claim | None:
 
 
 def case_title(case: Case) -> str:
-    return f"{case.what} {value_text(case)} {case.setup}".strip()
-
-
-def value_text(case: Case) -> str:
-    """And what float32 makes of it, where that is another number for a reader: 1 for 1 + 1e-9."""
-    value, held = case.value, case.held
-    rounded = isinstance(value, float) and held is not None and held != value and held == round(held)
-    return _words(value) + (f" ({held:g} in float32)" if rounded else "")
+    return f"{case.what} {_words(case.value)} {case.setup}".strip()
 
 
 def _words(value: Any) -> str:

@@ -7,13 +7,12 @@
 - Time, over a peer of Cycles' in the same cell, so that the machine cancels: changed by more than ``SLOWER``, and by
   more than the scatter of the seeds' times allows.
 - The universal material's time over a material as built, by more than ``SLOWER``; likewise the size of a material as
-  built: its nodes, OSL instructions, and memory beyond ``LITTLE``.
+  built: its nodes and OSL instructions.
 - Extreme cases: passed in one, failed in the other. Pictures of the universal material: likewise.
 - Automatic: another choice, close to the best in one report and not in the other.
 - What only one report has: worse if it is gone, unless one report alone is quick.
 
-Peers are there to be compared with and are not judged themselves; nor are FLIP, which says of the same pictures what
-the error says, and the tables of documents.
+Peers are there to be compared with and are not judged themselves; nor are the tables of documents.
 """
 
 from __future__ import annotations
@@ -44,7 +43,6 @@ if TYPE_CHECKING:
 
 SLOWER = 1.25  # ratio of times below which nothing is said
 SMALLEST = 0.01  # relative change of an error below which nothing is said
-LITTLE = 16.0  # MB, by which a process's memory scatters
 LONGEST = 3  # sample counts whose times are judged: those beside which a start is short
 
 
@@ -213,7 +211,6 @@ def _left_out(one: LeftOut, other: LeftOut, _limit: float) -> Iterator[Judged]:
     sizes = {
         "nodes": (one.nodes[0], other.nodes[0]),
         "OSL instructions": (one.instructions[0], other.instructions[0]),
-        "MB of memory": tuple(max(of.memory_mb[0], LITTLE) if of.memory_mb else 0.0 for of in (one, other)),
     }
     for what, (before, after) in sizes.items():
         if before and after and not 1.0 / SLOWER <= after / before <= SLOWER:

@@ -70,6 +70,10 @@ class Contest:
     auto: Picks
 
     @property
+    def key(self) -> str:
+        return f"{self.cell.scene}/{self.cell.subject}"
+
+    @property
     def title(self) -> str:
         return f"{SCENES[self.cell.scene].title}, {self.cell.subject}"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One contender's error against samples and time: slope, bias, time to an error. Imports no bpy.
+"""One contender's error against samples and time: slope, bias, error at a time. Imports no bpy.
 
 Between two sample counts a curve is a straight line in log error and log time.
 """
@@ -36,19 +36,6 @@ class Slope:
 
     def known_to(self, bar: float) -> bool:
         return self.error is not None and self.error <= bar
-
-
-@dataclass(frozen=True)
-class TimeTo:
-    """The time to an error. seconds: None if it is not reached; limit: what it then is, "floor", "time" or "noise".
-
-    "noise": the error is known at no sample count. within: the first render reaches it already.
-    """
-
-    seconds: float | None
-    limit: str = ""
-    value: float = 0.0
-    within: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,23 +148,6 @@ class Curve(Contender):
         design = np.stack([1.0 / self.cpu, self.samples / self.cpu], axis=-1)
         start, per_sample = np.linalg.lstsq(design, np.ones(len(self.cpu)), rcond=None)[0]
         return max(float(start), 0.0), max(float(per_sample), 0.0)
-
-    def time_to(self, target: float, clock: str) -> TimeTo:
-        """Seconds, by "wall" or "cpu", after which the error is ``target``."""
-        if self.last is None:
-            return TimeTo(None, "noise")
-        times, rmse = _rising(getattr(self, clock))[self.resolved], self.rmse[self.resolved]
-        below = np.flatnonzero(rmse <= target)
-        if not len(below):
-            at_floor = self.biased and self.floor > target
-            return TimeTo(None, "floor", self.floor) if at_floor else TimeTo(None, "time", float(times[-1]))
-        first = below[0]
-        if first == 0:
-            return TimeTo(float(times[0]), within=True)
-        span = slice(first - 1, first + 1)
-        x, y = np.log(_positive(rmse[span])), np.log(times[span])
-        share = (np.log(target) - x[0]) / (x[1] - x[0])
-        return TimeTo(float(np.exp(y[0] + share * (y[1] - y[0]))))
 
     def error_of(self, samples: float) -> float:
         """The error of so many samples; infinite where it is not known, as with fewer than were measured.

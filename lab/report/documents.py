@@ -105,12 +105,6 @@ def _markdown(columns: Any, rows: Any) -> str:
     return "\n".join(summary.table(columns, rows))
 
 
-def _summary(found: Published) -> str:
-    """Of the default Blender; report.md has the others'."""
-    blender, run = next(iter(found.runs.items()))
-    return "\n".join([f"Blender {blender}:", "", *(f"- {line}" for line in run.headlines)])
-
-
 def _fit_worst(found: Published, highest: float) -> str:
     """Of slopes up to ``highest``."""
     rows = [row for row in _table(found, "fit", "l1").rows if row[0] <= highest]
@@ -262,7 +256,6 @@ def _fresnel(_found: Published) -> str:
 FIGURES: dict[str, Callable[[Published], str]] = {
     "models": _models,
     "fresnel": _fresnel,
-    "summary": _summary,
     "fit.gentle": partial(_fit_worst, highest=0.4),
     "fit.rough": partial(_fit_worst, highest=1.0),
     "fit.l1": _fit_l1,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The figures of a report, each as PNG and as SVG, which are the same to the byte for the same numbers."""
+"""The figures of a report as PNG, the same to the byte for the same numbers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from PIL import Image
 
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-    from ..bench.cells import Case, Numbers
+    from ..bench.cells import Numbers
     from .contest import Contest
     from .curve import Curve
     from .findings import Run
@@ -36,8 +35,6 @@ STYLE = {
     "grid.linewidth": 0.5,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "svg.hashsalt": "vgroove",  # else the names within differ from run to run
-    "svg.fonttype": "none",
 }
 # Okabe and Ito's colours, which the colour-blind tell apart; peers are grey.
 COLOURS = dict(zip(estimators.ALL, ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"), strict=True))
@@ -52,34 +49,24 @@ PEERS = {
 SLANTED: dict[str, Any] = {"c": "#888888", "lw": 0.4, "alpha": 0.5}  # lines of slope -1/2
 FLOOR: dict[str, Any] = {"lw": 4, "alpha": 0.6, "solid_capstyle": "butt"}
 CROSS: dict[str, Any] = {"marker": "x", "ms": 4, "ls": ""}
-VERDICTS = {"#009e73": "passed", "#a6dccb": "passed; the limit is stated", "#d55e00": "failed"}
-PASSED, LIMITED, FAILED = VERDICTS
 PANEL = (2.7, 2.1)  # inches
-IN_A_ROW = 40  # cases
 
 
 def draw(run: Run) -> dict[str, bytes]:
-    """What a run has numbers for, of ``summary.KINDS``, by file name."""
-    wanted = {error: run.contests, noise: run.contests, stability: run.cases, left_out: run.left_out}
-    found: dict[str, bytes] = {}
+    """Those of ``summary.PLOTS``, by file name."""
+    if not run.contests:
+        return {}
     with mpl.rc_context(STYLE):
-        for kind in (kind for kind, numbers in wanted.items() if numbers):
-            png, svg = _files(kind(run))
-            stem = f"plots/{kind.__name__}-{run.blender}"
-            found |= {f"{stem}.png": png, f"{stem}.svg": svg}
-    return found
+        return {f"plots/{kind.__name__}-{run.blender}.png": _png(kind(run)) for kind in (error, noise)}
 
 
-def _files(figure: Figure) -> tuple[bytes, bytes]:
-    """PNG and SVG."""
-    drawn, png, svg = BytesIO(), BytesIO(), BytesIO()
+def _png(figure: Figure) -> bytes:
+    drawn, png = BytesIO(), BytesIO()
     figure.savefig(drawn, dpi=DPI, format="png")
     # Of few colours it is a third as large. Median cut, which is the default, would mix thin lines of like colours.
     few = Image.open(drawn).convert("RGB").quantize(SHADES, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     few.save(png, "png", optimize=True)
-    figure.set_layout_engine("none")  # it is laid out now, and takes long to be laid out again
-    figure.savefig(svg, format="svg", metadata={"Date": None})
-    return png.getvalue(), svg.getvalue()
+    return png.getvalue()
 
 
 def error(run: Run) -> Figure:
@@ -199,58 +186,3 @@ def _legend(contests: list[Contest]) -> list[Line2D]:
         seen["not resolved"] = CROSS | {"color": "#000000"}
     handles = [Line2D([], [], label=name, **look) for name, look in seen.items()]
     return [*handles, Line2D([], [], label="slope −1/2", **(SLANTED | {"lw": 0.8, "alpha": 1.0}))]
-
-
-def stability(run: Run) -> Figure:
-    """Rows for each group, a square for each case."""
-    groups: dict[str, list[Case]] = {}
-    for case in run.cases:
-        groups.setdefault(case.group, []).append(case)
-    rows: list[tuple[str, list[Case]]] = []
-    for group, cases in groups.items():
-        starts = range(0, len(cases), IN_A_ROW)
-        rows += [("" if start else group, cases[start : start + IN_A_ROW]) for start in starts]
-    most = max(24, *(len(cases) for _, cases in rows))
-    figure = Figure(figsize=(2.2 + 0.2 * most, 0.7 + 0.24 * len(rows)), layout="constrained")
-    ax = figure.subplots()
-    for row, (_, cases) in enumerate(rows):
-        for column, case in enumerate(cases):
-            colour = FAILED if not case.passed else LIMITED if case.limit else PASSED
-            ax.add_patch(Rectangle((column + 0.06, row + 0.06), 0.88, 0.88, color=colour, lw=0))
-            if not case.passed:
-                ax.plot([column + 0.5], [row + 0.5], "x", c="white", ms=4)
-    ax.set(
-        xlim=(0, most), ylim=(len(rows), 0), xticks=[],
-        yticks=np.arange(len(rows)) + 0.5, yticklabels=[group for group, _ in rows],
-    )  # fmt: skip
-    ax.set_aspect("equal", anchor="W")
-    ax.grid(visible=False)
-    ax.spines[:].set_visible(False)
-    ax.tick_params(length=0)
-    handles = [Patch(color=colour, label=label) for colour, label in VERDICTS.items()]
-    figure.legend(handles=handles, loc="outside upper left", ncols=3, frameon=False)
-    return figure
-
-
-def left_out(run: Run) -> Figure:
-    """Time of the universal material over each as it is built, the least saving on top."""
-    cases = sorted(run.left_out, key=lambda case: case.slowdown, reverse=True)
-    figure = Figure(figsize=(6.5, 0.9 + 0.22 * len(cases)), layout="constrained")
-    ax = figure.subplots()
-    y = np.arange(len(cases))
-    for colour, backend in ((COLOURS["fit"], "nodes"), (COLOURS["mirror"], "osl")):
-        here = [index for index, case in enumerate(cases) if case.backend == backend]
-        if here:
-            ax.hlines(y[here], *zip(*(cases[index].spread for index in here), strict=True), color=colour, lw=1.5)
-            ax.plot([cases[index].slowdown for index in here], y[here], "o", c=colour, ms=5, label=backend)
-    ax.axvline(1.0, c="#666666", lw=1)
-    ax.axvline(float(np.median([case.slowdown for case in cases])), c="#666666", lw=1, ls="--", label="median")
-    ax.set(
-        yticks=y,
-        yticklabels=[f"{case.case}, {case.scene}, {case.estimator}" for case in cases],
-        xlabel="render time of the universal material / as built",
-    )
-    ax.set(xlim=(min(0.9, *(case.spread[0] for case in cases)), None), ylim=(-0.6, len(cases) - 0.4))
-    ax.grid(visible=False, axis="y")
-    figure.legend(loc="outside upper center", ncols=3, frameon=False)
-    return figure

@@ -128,7 +128,7 @@ def _run(run: Run, *, first: bool) -> PublishedRun:
     keys: dict[str, list[str]] = {}
     for key in sorted(run.record.cells):
         keys.setdefault(part_of(key), []).append(key.partition("/")[2])
-    scenes = {f"{of.cell.scene}/{of.cell.subject}": _scene(of) for of in run.contests}
+    scenes = {of.key: _scene(of) for of in run.contests}
     # What is computed does not depend on the Blender: the first has it.
     tables = {name: of for name, of in run.tables.items() if first or name not in COMPUTED}
     return PublishedRun(

@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""report.md: what a report found, in a page or two for each Blender. Imports no bpy."""
+"""What a report found, in a page or two for each Blender: report.md, and how the page begins. Imports no bpy."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING
 
-from ..bench.cells import Table
 from ..bench.scene_table import SCENES
 from .words import bias, number, times
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
+    from ..bench.record import Machine
     from .published import Published, PublishedRun, SceneFigures
 
 FILE = "report.md"
-KINDS = {  # of plots: what holds them, and the text in their place for who cannot see them
-    "error": ("scenes", "Error against processor time, a panel for each scene and subject"),
-    "noise": ("scenes", "Noise and bias against samples, a panel for each scene and subject"),
-    "stability": ("cases", "Extreme cases by group: passed, passed within a limit, failed"),
-    "left_out": ("left_out", "Render time of the universal material over each as it is built"),
+TITLE = "Error against run time, stability, and what was left out"
+PLOTS = {  # by kind: the text in its place for who cannot see it
+    "error": "Error against processor time, a panel for each scene and subject",
+    "noise": "Noise and bias against samples, a panel for each scene and subject",
 }
 SCENE_CAPTION = (
     "Bias at the most samples, as a share of the image; < where it cannot be distinguished from 0. Slope: of mirror's "
@@ -29,28 +29,34 @@ SCENE_CAPTION = (
 )
 
 
+@dataclass(frozen=True)
+class Section:
+    """A table under a title. wrong: how many rows, the first ones, show what should not be."""
+
+    title: str
+    caption: str
+    columns: list[str]
+    rows: list[list[str]]
+    wrong: int = 0
+
+
 def markdown(published: Published) -> str:
-    machine = published.machine
     lines = [
-        "# Error against run time, stability, and what was left out",
+        f"# {TITLE}",
         "",
-        "`vgroove report -o DIR` measures this and writes a page, report.html, with every figure and picture;",
-        "`vgroove report --from DIR/report.json` draws it again. Measured on",
-        f"{machine.system}, {machine.processor}, {machine.cores} cores, {machine.memory_gb} GB.",
-        "An error is the root mean square difference from the truth, over the truth's. Times are of the processor",
-        "unless said otherwise.",
+        "`vgroove report -o DIR` measures this and writes a page, report.html, with every figure;",
+        "`vgroove report --from DIR/report.json` draws it again.",
+        about(published.machine),
     ]
     for blender, run in published.runs.items():
         lines += ["", f"## {title(blender, quick=run.quick, lacks=run.lacks)}", ""]
         lines += [f"- {line}" for line in run.headlines]
-        lines += _images(blender, run, "error", "noise")
-        if run.scenes:
-            lines += ["", "### Each scene and subject", "", SCENE_CAPTION, "", *table(*_scenes(run))]
-        if run.cases.rows:
-            lines += ["", "### Extreme cases", *_images(blender, run, "stability"), ""]
-            lines += table(run.cases.columns, ([str(value) for value in row] for row in run.cases.rows))
-        if run.left_out.rows:
-            lines += ["", "### What was left out", *_images(blender, run, "left_out"), "", *table(*_left_out(run))]
+        for kind, words in PLOTS.items() if run.scenes else ():
+            lines += ["", f"![{words}](plots/{kind}-{blender}.png)"]
+        for section in sections(run):
+            lines += ["", f"### {section.title}", ""]
+            lines += [section.caption, ""] if section.caption else []
+            lines += table(section.columns, section.rows)
     return "\n".join([*lines, ""])
 
 
@@ -59,15 +65,23 @@ def title(blender: str, *, quick: bool, lacks: int) -> str:
     return f"Blender {blender}{', quick' if quick else ''}{lacking}"
 
 
-def _images(blender: str, run: PublishedRun, *kinds: str) -> list[str]:
-    return [
-        line for kind in kinds if _has(run, kind) for line in ("", f"![{KINDS[kind][1]}](plots/{kind}-{blender}.png)")
-    ]
+def about(machine: Machine) -> str:
+    """Where it was measured, and what is meant by an error and a time."""
+    return (
+        f"Measured on {machine.system}, {machine.processor}, {machine.cores} cores, {machine.memory_gb} GB.\n"
+        "An error is the root mean square difference from the truth, over the truth's. Times are of the processor\n"
+        "unless said otherwise."
+    )
 
 
-def _has(run: PublishedRun, kind: str) -> bool:
-    found = getattr(run, KINDS[kind][0])
-    return bool(found.rows if isinstance(found, Table) else found)
+def sections(run: PublishedRun) -> Iterator[Section]:
+    """What every part of a report comes to."""
+    if run.scenes:
+        yield Section("Each scene and subject", SCENE_CAPTION, *_scenes(run))
+    if run.cases.rows:
+        yield Section("Extreme cases", "", run.cases.columns, [[str(value) for value in row] for row in run.cases.rows])
+    if run.left_out.rows:
+        yield Section("What was left out", "", *_left_out(run))
 
 
 def _scenes(run: PublishedRun) -> tuple[list[str], list[list[str]]]:

@@ -27,7 +27,3 @@ def bias(value: float | None, bound: float | None) -> str:
 def number(value: float) -> str:
     """With a minus that is as wide as a digit."""
     return f"{value:.2f}".replace("-", "−")
-
-
-def plain(value: float | None) -> str:
-    return "" if value is None else f"{value:.3g}"

@@ -62,14 +62,14 @@ def test_the_report_says_what_the_rule_costs(blender_version):
 
 
 @pytest.mark.blender
-def test_automatic_picks_what_the_published_report_judges(blender, tmp_path):
+def test_automatic_picks_what_the_published_report_judges(blender):
     """At every sample count of every scene. Any other choice is to be judged again: vgroove report --again picks.
 
     A Blender that the report has not measured yet is held to what 5.2 picks.
     """
     run = RUNS.get(blender.app.version_string.split()[0]) or next(RUNS[name] for name in RUNS if name.startswith("5.2"))
     names = picks.names(quick=run.quick)
-    now = {name: picks.measure(tmp_path, *name.split("/"), quick=run.quick) for name in names}
+    now = {name: picks.measure(*name.split("/"), quick=run.quick) for name in names}
     assert {name: (of.estimators, [*of.refused]) for name, of in now.items() if name in run.scenes} == {
         name: (of.auto.estimators, [*of.auto.refused]) for name, of in run.scenes.items()
     }

@@ -218,7 +218,7 @@ def test_check_exits_0_and_writes_json(blender, monkeypatch, tmp_path):
     from vgroove.lab.check import plan as check_all
 
     path, plan = tmp_path / "check.json", check_all.quick_plan()
-    assert len({row.func.__module__ for row in plan}) == len(MODELS)
+    assert {check_all.model_of(row) for row in plan} == set(MODELS)
     monkeypatch.setattr(check_all, "quick_plan", lambda: plan[::6])
     done = vgroove("check", "--quick", "--json", path)
     assert done.code == 0, done.err

@@ -7,7 +7,7 @@ import numpy as np
 
 from vgroove import cli
 from vgroove.lab.bench import record
-from vgroove.lab.report import claims, findings, tables
+from vgroove.lab.report import claims, findings, published, tables
 
 SEEDS, PIXELS = 4, 500
 COUNTS = tuple(2**k for k in range(2, 13))
@@ -32,8 +32,8 @@ def contender(bias, noise, per_sample, start=START, counts=COUNTS, **words):
         "estimator": "", "backend": "", "peer": "", "differs": "", **words,
         "bias2": bias2.tolist(), "bias2_error": doubt.tolist(), "cpu_spread": [0.0] * len(n),
         "resolved": [True] * len(n), "seeds": [SEEDS] * len(n),
-        "noise": spread.tolist(), "flip": (0.1 * np.sqrt(bias2 + spread**2)).tolist(),
-        "wall": (seconds / 2).tolist(), "cpu": seconds.tolist(),
+        "noise": spread.tolist(),
+        "cpu": seconds.tolist(),
     }  # fmt: skip
 
 
@@ -51,7 +51,7 @@ def accuracy(scene="softbox", subject="copper", counts=COUNTS):
         "scene": scene, "subject": subject, "model": "cook_torrance", "roughness": {"m": 0.3},
         "size": 32, "seeds": [SEEDS] * len(counts), "truth": "known in closed form", "samples": list(counts),
         "independent": scene in ("softbox", "furnace"), "contenders": contenders,
-        "auto": ["corrected"] * len(counts), "pictures": None,
+        "auto": ["corrected"] * len(counts),
     }  # fmt: skip
 
 
@@ -65,7 +65,7 @@ def left_out(time, *, same=True, **more):
     setup = {
         "case": "", "preset": "lecture/copper", "scene": "lamps", "backend": "nodes", "estimator": "corrected",
         "nodes": [40, 400], "slowdown": time, "spread": [0.95 * time, 1.05 * time], "same": same,
-        "omitted": [part, part | {"what": "transmission"}], "memory_mb": [45.0, 169.0],
+        "omitted": [part, part | {"what": "transmission"}],
     }  # fmt: skip
     return [setup | more]
 
@@ -140,4 +140,5 @@ def with_mirror(scene="softbox", **figures):
 
 
 def section(run, title):
-    return next(one for one in tables.sections(run) if one.title == title)
+    figures = published._run(run, first=True)
+    return next(one for one in tables.sections(run, figures) if one.title == title)

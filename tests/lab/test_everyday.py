@@ -12,8 +12,10 @@ from vgroove.addon.blender.material import BUILDERS, NATIVE
 from vgroove.lab.bench import everyday, record
 from vgroove.lab.bench.cells import LIMIT, MAX_DOUBT
 from vgroove.lab.bench.everyday_scenes import SCENES
-from vgroove.lab.report import claims, findings, tables
+from vgroove.lab.report import claims, findings
 from vgroove.nodegroups import versions
+
+from .reports import section
 
 pytestmark = pytest.mark.blender
 
@@ -139,19 +141,20 @@ def test_every_scene_of_the_issue_is_there():
 def test_a_cell_is_what_the_report_shows(blender, monkeypatch):
     """From a render to the table and the sentence."""
     monkeypatch.setattr(everyday, "time_over_native", lambda *_of: 1.25)
-    rows = everyday.measure(None, "even_sky")
+    rows = everyday.measure("even_sky")
     kept = record.CODEC.structure(json.loads(json.dumps(record.CODEC.unstructure(rows))), record.PARTS["everyday"])
     assert [(one.title, one.subject) for one in kept] == [("even sky", name) for name in SCENES["even_sky"].subjects]
 
     def shown(rows):
         run = findings.Run("5.2.3", record.BlenderRun("0", {}, quick=True, cells={"everyday/even_sky": rows}))
-        (claim,), (section,) = claims.of(run), tables.sections(run)
-        return claim, section
+        (claim,) = claims.of(run)
+        return claim, section(run, "Everyday scenes")
 
-    claim, section = shown(kept)
+    claim, table = shown(kept)
     assert claim.found.startswith(f"in {len(kept)} of {len(kept)} scenes and subjects; it takes 1.25 ×")
-    assert all(row[-1] == "passed" for row in section.rows)
-    claim, section = shown((*kept[1:], replace(kept[0], black=3, warnings=("Something",))))
+    assert table.wrong == 0
+    claim, table = shown((*kept[1:], replace(kept[0], black=3, warnings=("Something",))))
     assert not claim.holds
     assert "the image differs in even sky, copper; a warning is wrong in even sky, copper" in claim.found
-    assert (section.title, section.rows[0][-1]) == ("Everyday scenes", "FAILED")
+    assert table.wrong == 1
+    assert table.rows[0][:2] == ["even sky", "copper"]

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Slopes, biases, times to an error and winners, of figures known in closed form."""
+"""Slopes, biases, errors at a time and winners, of figures known in closed form."""
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from vgroove.lab.report import claims, contest, tables
+from vgroove.lab.report import published
 
 from .reports import (
     COUNTS,
@@ -56,32 +56,11 @@ def test_bias_is_distinguished_from_0_by_three_standard_errors():
         found = contested(cell).curves["fit, nodes"]
         assert found.biased is known
         assert found.floor == pytest.approx(np.sqrt(factor * one["bias2_error"][-1]), rel=1e-12)
-        assert tables.bias(found).startswith("<") is not known
+        assert (published._curve(found).bias is not None) is known
     one["bias2"][-1] = -one["bias2_error"][-1]
     found = contested(cell).curves["fit, nodes"]
     assert (found.floor, found.biased) == (0.0, False)
     assert found.bias_bound == pytest.approx(np.sqrt(3.0 * one["bias2_error"][-1]), rel=1e-12)
-
-
-def test_time_to_an_error_lies_on_the_curve():
-    """At a sample count it is that render's time; between two, where the error is a power of the time, exact."""
-    one = curve(0.012, 0.3, 1.2e-3)
-    found = one.time_to(float(one.rmse[5]) * (1.0 + 1e-12), "wall")
-    assert found.seconds == pytest.approx(one.wall[5], rel=1e-9)
-    power = curve(0.0, 0.3, 1e-3, start=0.0)  # rmse = .3 sqrt(.001 / t)
-    for target in claims.TARGETS:
-        assert power.time_to(target, "cpu").seconds == pytest.approx(1e-3 * (0.3 / target) ** 2, rel=1e-12)
-    assert tables.reached(power.time_to(0.02, "cpu")) == "0.225 s"
-
-
-def test_an_error_that_is_not_reached_says_why():
-    assert tables.reached(curve(0.05, 0.3, 1e-3).time_to(0.02, "cpu")) == "floor 5 %"
-    slow = curve(0.0, 2.0, 1e-3)
-    assert tables.reached(slow.time_to(0.01, "cpu")) == f"> {slow.cpu[-1]:.3g} s"
-    assert tables.reached(curve(0.001, 0.01, 1e-3).time_to(0.02, "cpu")) == f"≤ {START + 4e-3:.3g} s"
-    held_up = accuracy()
-    held_up["contenders"]["fit, nodes"]["cpu"][4] = 100.0
-    assert contested(held_up).curves["fit, nodes"].time_to(0.02, "cpu").seconds == pytest.approx(100.0)
 
 
 def test_error_at_a_time_goes_on_beyond_the_last_render():
@@ -164,7 +143,7 @@ def test_a_poor_choice_is_one_that_chance_does_not_explain(pixels, far):
 
 
 def test_a_count_that_is_not_resolved_shows_nothing():
-    """The most samples, and the fewest: no bias, no winner, no point of a slope, no time to an error."""
+    """The most samples, and the fewest: no bias, no winner, no point of a slope."""
     resolved = np.ones(len(COUNTS), bool)
     resolved[[0, -1]] = False
     cell = accuracy()
@@ -175,19 +154,15 @@ def test_a_count_that_is_not_resolved_shows_nothing():
     assert one.slope.value == pytest.approx(-0.5, abs=1e-12)
     assert one.floor == pytest.approx(plain.floor, rel=1e-12)
     assert not one.biased_at[-1]
-    assert one.time_to(0.02, "cpu") == plain.time_to(0.02, "cpu")
-    assert one.time_to(1e-6, "cpu").limit == "floor"
     between = [0.5 * (one.cpu[index] + one.cpu[index + 1]) for index in (0, -2)]
     for seconds in (one.cpu[0], *between, one.cpu[-1], 2.0 * one.cpu[-1]):
         assert one.error_at(float(seconds)) == np.inf
     assert one.error_at(float(one.cpu[1])) == pytest.approx(one.rmse[1], rel=1e-12)
-    assert tables.remarks(one) == "not resolved at 4, 4096 samples"
     cell["auto"] = ["fit"] * len(COUNTS)
     assert [pick.samples for pick in contested(cell).picks] == list(COUNTS[1:-1])
     fit["resolved"] = [False] * len(COUNTS)
     none = contested(cell).curves["fit, nodes"]
-    assert (none.slope, none.last, none.biased, tables.bias(none)) == (None, None, False, "")
-    assert tables.both(none.time_to(0.02, "cpu"), none.time_to(0.02, "wall")) == ""
+    assert (none.slope, none.last, none.biased, published._curve(none).bound) == (None, None, False, None)
 
 
 def test_a_rival_that_is_not_resolved_is_no_factor():
@@ -199,9 +174,6 @@ def test_a_rival_that_is_not_resolved_is_no_factor():
     rare = contested(accuracy("sun"))
     assert rare.rarely_hit == {"mirror"}
     assert all("mirror" not in win.over for win in rare.wins)
-    assert tables.win_text(contest.Win(1.0, "closure", 0.02, {"closure": 1.0})) == "closure 2 %"
-    said = tables.win_text(wins[0])
-    assert said == f"{wins[0].winner} {100 * wins[0].error:.3g} % (closure {wins[0].over['closure']:.2f} ×)"
 
 
 def test_a_count_that_is_not_resolved_is_bridged_between_two_that_are():

@@ -205,15 +205,3 @@ def test_explain_says_what_the_universal_material_cannot_do(blender, monkeypatch
         assert ["does not fit in this Blender" in said for said in (nodes, native, osl)] == [
             not room, not room, False
         ]  # fmt: skip
-
-
-def test_memory_is_that_of_the_scene_it_was_measured_in(monkeypatch):
-    """By processes that build each material under the lamps."""
-    monkeypatch.setattr(left_out, "_memory", lambda _identity, which: {"built": 45.0, "universal": 169.0}[which])
-    one = LeftOut(case="", preset="", scene="", backend="", estimator="", slowdown=2.0, spread=(2, 2), nodes=(1, 2))
-    monkeypatch.setattr(
-        left_out, "setup", lambda case, preset, name, backend, *_, **__: replace(one, scene=name, backend=backend)
-    )
-    found = left_out.measure(None, "schlick")
-    assert [(of.scene, of.memory_mb) for of in found if of.memory_mb] == [("lamps", (45.0, 169.0))]
-    assert len(found) > 3

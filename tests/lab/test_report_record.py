@@ -227,7 +227,7 @@ def test_what_fails_does_not_end_the_rest(tmp_path, monkeypatch, capsys):
     asked = []
 
     def cell(name):
-        def measure(_folder):
+        def measure():
             asked.append(name)
             if name == "bad" and asked.count("bad") == 1:
                 message = "out of\nluck"

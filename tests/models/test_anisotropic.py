@@ -2,14 +2,13 @@
 """Anisotropic Cook-Torrance in Cycles: the formula at four azimuths, Blender's own sense of Anisotropy, any tangent."""
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
 
 from vgroove import headless
 from vgroove.addon.blender import gonio, principled
-from vgroove.addon.blender.material import Choice, build, lamps_to_bind
+from vgroove.addon.blender.material import Choice, build
 from vgroove.addon.library.presets import all_presets, find, parse
 from vgroove.addon.models.anisotropic import MODEL
 from vgroove.lab.check import anisotropic as check
@@ -17,6 +16,7 @@ from vgroove.lab.check.rows import SETUPS, surely_seen
 from vgroove.nodegroups import versions
 
 from ..rows import name
+from .test_tangents import VIEW, shown
 
 PLAN = check.plan()
 NOISY = {check.furnace_row, check.sun_row}
@@ -55,7 +55,6 @@ def test_presets_have_grooves_of_both_kinds():
 
 TEXT = 'name = "T"\nmodel = "anisotropic"\nm = {}\nanisotropy = {}\nrotation = {}\nradial = {}\n'
 TEXT += '[fresnel]\nf0 = [0.9, 0.5, 0.3]\n[source]\ndata = "test"'
-VIEW = gonio.Geometry(50.0, resolution=(32, 32), phi_i=70.0, tangent=25.0)
 
 
 def preset(m=0.2, anisotropy=0.8, rotation=0.1, *, radial=False):
@@ -94,34 +93,6 @@ def test_anisotropy_rotation_and_tangent_are_those_of_metallic_bsdf(instrument, 
     assert np.abs(got - other).max() > 1e-2 * expected.max()
 
 
-def shown(instrument, of, estimator, tangent=None, uvs="", osl=False):  # noqa: FBT002
-    """The patch under the sun: with a constant vector as Tangent, or its UV map removed, or of no extent."""
-
-    def material(scene):
-        suns = lamps_to_bind(scene, estimator, of.model)
-        made = build(of, Choice("osl" if osl else "nodes", estimator, suns, shadows=False))
-        if tangent is not None:
-            tree = made.node_tree
-            constant = tree.nodes.new("ShaderNodeCombineXYZ")
-            for socket, value in zip(constant.inputs, tangent, strict=True):
-                socket.default_value = value
-            group = next(
-                node for node in tree.nodes if node.bl_idname == "ShaderNodeGroup" and "Tangent" in node.inputs
-            )
-            tree.links.new(constant.outputs[0], group.inputs["Tangent"])
-        return made
-
-    with headless.quiet(), gonio.instrument(material, VIEW, shading_osl=True) as scene:
-        mesh = next(item.data for item in scene.objects if item.type == "MESH")
-        if uvs == "none":
-            mesh.uv_layers.remove(mesh.uv_layers[0])
-        if uvs == "zero":
-            for loop in mesh.uv_layers[0].uv:
-                loop.vector = (0.0, 0.0)
-        scene.cycles.shading_system = osl
-        return gonio.rendered(scene)
-
-
 @pytest.mark.blender
 @pytest.mark.parametrize("estimator", ["fit", "direct"])
 def test_a_linked_tangent_is_taken_at_any_length_and_one_of_none_is_as_unlinked(instrument, estimator):
@@ -139,18 +110,6 @@ def test_a_linked_tangent_is_taken_at_any_length_and_one_of_none_is_as_unlinked(
     around = shown(instrument, preset(rotation=0.0, radial=True), estimator, (0.0, 0.0, 0.0))
     assert np.abs(around - radial).max() < 1e-4 * peak
     assert np.abs(by_uv - by_own).max() > 0.1 * peak
-
-
-@pytest.mark.blender
-@pytest.mark.parametrize(("estimator", "osl"), [*product(MODEL.estimators, [False]), ("fit", True), ("direct", True)])
-def test_nothing_breaks_at_the_ends(instrument, estimator, osl):
-    """Slopes 1e-4 and 10, ten to one; tangents along the normal; UVs of no extent: finite, and not negative."""
-    for m, anisotropy in ((1e-4, 1.0), (10.0, 1.0), (0.2, 1.0)):
-        of = preset(m, anisotropy)
-        for how in ({"tangent": (0.0, 0.0, 1.0)}, {"tangent": (1e30, -1e30, 0.0)}, {"uvs": "zero"}, {"uvs": "none"}):
-            image = shown(instrument, of, estimator, osl=osl, **how)
-            assert np.isfinite(image).all(), (m, how)
-            assert image.min() >= -1e-5 * max(image.max(), 1e-30), (m, how)
 
 
 @pytest.mark.blender

@@ -2,22 +2,19 @@
 """Ashikhmin & Shirley's model in Cycles against NumPy, that every row turns red, and Blender's own sense of it."""
 
 from dataclasses import replace
-from functools import partial
-from itertools import product
 
 import numpy as np
 import pytest
 
-from vgroove import headless, nodegroups
+from vgroove import headless
 from vgroove.addon.blender import gonio
-from vgroove.addon.blender.material import BUILDERS, Choice, build, lamps_to_bind
-from vgroove.addon.models.ashikhmin_shirley import MODEL, SHARPNESS
 from vgroove.lab.check import ashikhmin_shirley as check
 from vgroove.lab.check.rows import SETUPS, surely_seen
 from vgroove.nodegroups import ashikhmin_lobe, ashikhmin_shirley, osl_script, smith_lobe, versions
 from vgroove.nodegroups._tree import Value
 
 from ..rows import check_that_mirror_counts_lights_once, name
+from .test_tangents import VIEW
 
 pytestmark = pytest.mark.blender
 
@@ -27,7 +24,6 @@ PLAN = check.plan()
 CHOSEN = [row for row in PLAN if NODES in row.args and ("direct" in row.args or row.args[-1] in {0.3, 0.6})]
 CHOSEN += [row for row in PLAN if OSL in row.args and row.args[-1] in {0.3, 0.6}]
 ROWS = [pytest.param(row, marks=[] if row in CHOSEN else [pytest.mark.more]) for row in PLAN]
-VIEW = gonio.Geometry(50.0, resolution=(32, 32), phi_i=70.0, tangent=25.0)
 
 
 @pytest.mark.parametrize("row", ROWS, ids=name)
@@ -109,34 +105,6 @@ def test_one_percent_in_the_exponent_or_the_weight_turns_mirror_red(blender, mon
 # --- Blender's own sense --------------------------------------------------------------------------------------------
 
 
-def shown(instrument, of, estimator, tangent=None, uvs="", osl=False):  # noqa: FBT002
-    """The patch under the sun: with a constant vector as Tangent, or its UV map removed, or of no extent."""
-
-    def material(scene):
-        suns = lamps_to_bind(scene, estimator, of.model)
-        made = build(of, Choice("osl" if osl else "nodes", estimator, suns, shadows=False))
-        if tangent is not None:
-            tree = made.node_tree
-            constant = tree.nodes.new("ShaderNodeCombineXYZ")
-            for socket, value in zip(constant.inputs, tangent, strict=True):
-                socket.default_value = value
-            groups = (node for node in tree.nodes if node.bl_idname == "ShaderNodeGroup")
-            tree.links.new(
-                constant.outputs[0], next(one for one in groups if "Tangent" in one.inputs).inputs["Tangent"]
-            )
-        return made
-
-    with headless.quiet(), gonio.instrument(material, VIEW, shading_osl=True) as scene:
-        mesh = next(item.data for item in scene.objects if item.type == "MESH")
-        if uvs == "none":
-            mesh.uv_layers.remove(mesh.uv_layers[0])
-        if uvs == "zero":
-            for loop in mesh.uv_layers[0].uv:
-                loop.vector = (0.0, 0.0)
-        scene.cycles.shading_system = osl
-        return gonio.rendered(scene)
-
-
 @pytest.mark.parametrize("rotation", [0.0, 0.3])
 def test_with_a_flat_f_it_is_cycles_own_glossy_bsdf(instrument, rotation):
     """Roughness, Rotation and Tangent as of that node; Anisotropy by the slopes of Metallic BSDF."""
@@ -159,40 +127,6 @@ def test_with_a_flat_f_it_is_cycles_own_glossy_bsdf(instrument, rotation):
         ]
     for image in images:
         assert np.abs(image - expected).max() < 3e-5 * expected.max()  # of direct 2e-5, and 6e-6 of the node itself
-
-
-@pytest.mark.parametrize(("estimator", "osl"), [*product(MODEL.estimators, [False]), ("fit", True), ("direct", True)])
-def test_nothing_breaks_at_the_ends(instrument, estimator, osl):
-    """Exponents 0 and 1e5, ratios to 100:1; tangents along the normal; UVs of no extent: finite, and not negative."""
-    for sharpness, anisotropy in ((0.0, 1.0), (1.0, 0.0), (1e5, 1.0), (1e5, 0.0), (200.0, 1.0)):
-        of = check.material(0.5, anisotropy, 0.1).with_parameters(sharpness=sharpness)
-        for how in ({}, {"tangent": (0.0, 0.0, 1.0)}, {"tangent": (1e30, -1e30, 0.0)}, {"uvs": "zero"}):
-            image = shown(instrument, of, estimator, osl=osl, **how)
-            assert np.isfinite(image).all(), (sharpness, how)
-            assert image.min() >= -1e-5 * max(image.max(), 1e-30), (sharpness, how)
-
-
-def test_sockets_are_the_same_in_both_backends_and_explained(blender):
-    """Both colours, Roughness, Anisotropy, Rotation, Tangent, Normal, then lamps; each with a tooltip."""
-    for estimator, module in BUILDERS[MODEL.name].items():
-        given = {"radial": False} | ({} if estimator in {"closure", "fit"} else {"lamps": 2})
-        made = [
-            nodegroups.ensure(f"{estimator} {index}", 1, partial(one, **given))
-            for index, one in enumerate((module.build, module.build_osl))
-        ]
-        nodes, osl = (
-            [(item.name, item.socket_type, item.description) for item in group.interface.items_tree
-             if item.item_type == "SOCKET"]
-            for group in made
-        )  # fmt: skip
-        assert nodes == osl
-        assert all(description for _, _, description in nodes)
-        names = [item for item, *_ in nodes if item not in {"BSDF", "Emission"}]
-        assert names[:3] == ["Base Color", "Specular Color", "Roughness"]
-        assert names[3:7] == ["Anisotropy", "Rotation", "Tangent", "Normal"]
-        roughness = made[0].interface.items_tree["Roughness"]
-        assert (roughness.subtype, roughness.max_value) == ("FACTOR", 1.0)
-        assert roughness.min_value == pytest.approx(SHARPNESS.scale.to_input(1e5), rel=1e-5)
 
 
 def test_radial_grooves_go_around_the_axis(instrument):

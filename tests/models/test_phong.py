@@ -2,17 +2,14 @@
 """Phong and Blinn-Phong in Cycles against NumPy, and that every row turns red."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 
-from vgroove import headless, nodegroups
+from vgroove import headless
 from vgroove.addon.blender import gonio
-from vgroove.addon.blender.material import BUILDERS
 from vgroove.addon.library import presets
 from vgroove.addon.models import MODELS
-from vgroove.lab.check import blinn_phong as blinn_rows
 from vgroove.lab.check import phong as phong_rows
 from vgroove.lab.check.rows import SETUPS, surely_seen
 from vgroove.lab.check.views import measure
@@ -24,12 +21,11 @@ from ..rows import check_that_mirror_counts_lights_once, name
 pytestmark = pytest.mark.blender
 
 NODES, _, OSL = SETUPS
-PLANS = {"phong": phong_rows, "blinn_phong": blinn_rows}
 LOBES = {"phong": phong.PHONG, "blinn_phong": blinn_phong.BLINN_PHONG}
-BOTH = pytest.mark.parametrize("model", PLANS)
+BOTH = pytest.mark.parametrize("model", LOBES)
 
 
-@pytest.mark.parametrize("row", [row for of in PLANS.values() for row in of.plan()], ids=name)
+@pytest.mark.parametrize("row", [row for model in LOBES for row in phong_rows.plan(model)], ids=name)
 def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(instrument, row):
     """Every row of both plans passes, and is red against a reference 1 % brighter or darker."""
     row = row()
@@ -42,8 +38,8 @@ def test_cycles_agrees_with_the_reference_and_would_not_with_one_percent_more(in
 @BOTH
 def test_the_limit_for_noisy_rows_counts_them_all(model):
     """Sidak's correction is for as many rows as a plan has."""
-    rows = PLANS[model].plan()
-    assert sum(row.func is not PLANS[model].exact_row for row in rows) == phong_rows.NOISY_ROWS
+    rows = phong_rows.plan(model)
+    assert sum(row.func is not phong_rows.exact_row for row in rows) == phong_rows.NOISY_ROWS
 
 
 @BOTH
@@ -87,9 +83,9 @@ def test_one_percent_in_the_lobe_turns_direct_red(blender, monkeypatch, model, r
     """In the power, as nodes and in OSL, at every roughness that ``direct`` claims."""
     with monkeypatch.context() as patch:
         patch.setattr(cosine_power, "build", more(cosine_power, "Power"))
-        assert not PLANS[model].exact_row("direct", NODES, roughness).passed
+        assert not phong_rows.exact_row(model, "direct", NODES, roughness).passed
     monkeypatch.setattr(osl_script, "source", mutated("return exp(-0.5 * n", "return 1.01 * exp(-0.5 * n"))
-    assert not PLANS[model].exact_row("direct", OSL, roughness).passed
+    assert not phong_rows.exact_row(model, "direct", OSL, roughness).passed
 
 
 @pytest.mark.once
@@ -98,9 +94,9 @@ def test_one_percent_in_what_is_subtracted_turns_corrected_red(blender, monkeypa
     """Cycles' lobe as a formula, in the node group and in OSL."""
     with monkeypatch.context() as patch:
         patch.setattr(smith_lobe, "build", more(smith_lobe, "f cos"))
-        assert not PLANS[model].exact_row("corrected", NODES, 0.3).passed
+        assert not phong_rows.exact_row(model, "corrected", NODES, 0.3).passed
     monkeypatch.setattr(osl_script, "source", mutated("ni - weight", "ni - 1.01 * weight", "phong_correction"))
-    assert not PLANS[model].exact_row("corrected", OSL, 0.3).passed
+    assert not phong_rows.exact_row(model, "corrected", OSL, 0.3).passed
 
 
 def frozen(tree):
@@ -129,36 +125,13 @@ def test_one_percent_in_the_weight_or_a_constant_hash_turns_mirror_red(blender, 
         with monkeypatch.context() as patch:
             patch.setattr(*nodes)
             patch.setattr(osl_script, "source", mutated(*osl))
-            assert not PLANS[model].furnace_row(NODES, roughness).passed
-            assert not PLANS[model].furnace_row(OSL, roughness).passed
+            assert not phong_rows.furnace_row(model, NODES, roughness).passed
+            assert not phong_rows.furnace_row(model, OSL, roughness).passed
         for group in list(blender.data.node_groups):
             blender.data.node_groups.remove(group)
 
 
 # --- the groups ---------------------------------------------------------------------------------------------------
-
-
-@BOTH
-def test_sockets_are_the_same_in_both_backends_and_explained(blender, model):
-    """Base Color, Specular Color, Roughness up to 1, Normal, then lamps; each with a tooltip."""
-    for estimator, module in BUILDERS[model].items():
-        given = {"of": LOBES[model]} | ({} if estimator == "closure" else {"lamps": 2})
-        made = [
-            nodegroups.ensure(f"{estimator} {index}", 1, partial(one, **given))
-            for index, one in enumerate((module.build, module.build_osl))
-        ]
-        nodes, osl = (
-            [(item.name, item.socket_type, item.description) for item in group.interface.items_tree
-             if item.item_type == "SOCKET"]
-            for group in made
-        )  # fmt: skip
-        assert nodes == osl
-        assert all(description for _, _, description in nodes)
-        names = [item for item, *_ in nodes if item not in {"BSDF", "Emission"}]
-        assert names[:4] == ["Base Color", "Specular Color", "Roughness", "Normal"]
-        roughness = made[0].interface.items_tree["Roughness"]
-        assert (roughness.subtype, roughness.max_value) == ("FACTOR", 1.0)
-        assert 0.05 < roughness.min_value < 0.13
 
 
 @pytest.mark.parametrize("shader", ["closure", "correction", "direct", "mirror"])
@@ -167,7 +140,7 @@ def test_every_shader_compiles_and_has_the_ranges_of_its_group(blender, shader, 
     import _cycles
     import oslquery
 
-    for model in PLANS:
+    for model in LOBES:
         path = tmp_path / f"{model}.osl"
         text = osl_script.source(f"phong_{shader}", {phong_table.NAME: phong_table.header(model)})
         path.write_text(text, encoding="utf-8")

@@ -1,22 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ward's model in Cycles against NumPy, that every row turns red, and what presets may not have."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 
 from vgroove import headless
 from vgroove.addon.blender import gonio
 from vgroove.addon.library import presets
-from vgroove.addon.models.ward import MODEL
 from vgroove.lab.check import ward as rows
 from vgroove.lab.check.rows import SETUPS, surely_seen
 from vgroove.lab.check.views import measure
 from vgroove.nodegroups import anisotropic_d, osl_script, random_numbers, smith_lobe, ward
 
 from ..rows import check_that_mirror_counts_lights_once, name
-from .test_anisotropic import shown
 from .test_phong import frozen, more, mutated
 
 NODES, _, OSL = SETUPS
@@ -44,18 +40,6 @@ def test_the_limit_for_noisy_rows_counts_them_all():
 def test_mirror_with_lights_counts_each_once(instrument, kind):
     for setup in (NODES, OSL):
         check_that_mirror_counts_lights_once(rows.material(kind, 0.3, 0.5, 0.1, 0.25), setup)
-
-
-@pytest.mark.blender
-@pytest.mark.parametrize(("estimator", "osl"), [*product(MODEL.estimators, [False]), ("fit", True), ("direct", True)])
-def test_nothing_breaks_at_the_ends(instrument, estimator, osl):
-    """Slopes 1e-4 and 10, ten to one; tangents along the normal; UVs of no extent: finite, and not negative."""
-    for (m, anisotropy), kind in product(((1e-4, 1.0), (10.0, 1.0), (0.2, 1.0)), rows.KINDS):
-        of = rows.material(kind, m, anisotropy, 0.1)
-        for how in ({"tangent": (0.0, 0.0, 1.0)}, {"uvs": "zero"}):
-            image = shown(instrument, of, estimator, osl=osl, **how)
-            assert np.isfinite(image).all(), (m, kind, how)
-            assert image.min() >= -1e-5 * max(image.max(), 1e-30), (m, kind, how)
 
 
 @pytest.mark.blender

@@ -7,8 +7,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from ..cells import Table
 
 COMPUTED = ("errata", "oren_nayar", "fit", "keys")  # by NumPy alone
@@ -19,7 +17,7 @@ def names(*, quick: bool) -> list[str]:
     return [*COMPUTED, *(() if quick else RENDERED)]
 
 
-def measure(_folder: Path, name: str, **_quick: bool) -> dict[str, Table]:
+def measure(name: str, **_quick: bool) -> dict[str, Table]:
     """The tables of the module of that name."""
     tables: dict[str, Table] = import_module(f".{name}", __name__).tables()
     return tables
