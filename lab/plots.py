@@ -19,8 +19,8 @@ from matplotlib.colors import LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator
 
+from ..addon.measured.curves import MOST, PLOTS, Numbers, View, csv_text, numbers, quantity
 from ..addon.reference import lobe
-from .curves import MOST, PLOTS, Numbers, View, csv_text, numbers, quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

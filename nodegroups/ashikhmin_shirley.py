@@ -19,6 +19,7 @@ from . import ashikhmin_lobe, ensure, fresnel, shading_normal, tangent
 from ._tree import Value, clamp, maximum
 from .osl_script import script as osl_script
 from .parameters import add_input
+from .polynomial import horner
 
 if TYPE_CHECKING:
     from bpy.types import Node
@@ -55,7 +56,7 @@ class Inputs:
     @cached_property
     def narrow(self) -> Value:
         """s^2: slopes are m / s along the tangent and m s across it."""
-        return 1.0 - (1.0 - NARROWEST) * self.anisotropy
+        return self.n.tree.fused(self.anisotropy, NARROWEST - 1.0, 1.0)
 
     @cached_property
     def exponents(self) -> tuple[Value, Value]:
@@ -112,8 +113,7 @@ def entered(inputs: Inputs, no: Value) -> Value | float:
 
 def entering(cosine: Value) -> Value:
     """a(c) = 1 - (1 - c/2)^5."""
-    half = 0.5 * clamp(cosine)
-    return half * (5.0 - half * (10.0 - half * (10.0 - half * (5.0 - half))))
+    return horner((0.0, 5.0, -10.0, 10.0, -5.0, 1.0), 0.5 * clamp(cosine))
 
 
 def script(tree: Tree, estimator: str, inputs: Inputs, **more: Number) -> Node:

@@ -43,9 +43,10 @@ def split(inputs: model.Inputs, of: ashikhmin_shape.Shape) -> tuple[Value, Value
     r, g, b = inputs.specular.rgb
     least, highest = minimum(minimum(r, g), b), maximum(maximum(r, g), b)
     most = maximum(1.0 - least, 1e-7)
-    share = of.rise / (of.rise + (fit.COLORED * (highest - least) + 1e-6))
-    added = of.mean + share * (of.more - of.mean)
-    color = inputs.specular - (inputs.specular - least) * (share * of.flat) + rest * added
+    fused = rest.tree.fused
+    share = of.rise / (of.rise + fused(highest - least, fit.COLORED, 1e-6))
+    added = fused(share, of.more - of.mean, of.mean)
+    color = fused(rest, added, inputs.specular - (inputs.specular - least) * (share * of.flat))
     red, green, blue = inputs.amplitude.rgb
     dimmest = minimum(minimum(red, green), blue)
     color = color * dimmest + (inputs.amplitude - dimmest) * closure.even(inputs, of.mean)

@@ -24,7 +24,7 @@ def test_what_to_cite_is_this_version():
     assert {"cff-version", "message", "title", "authors"} <= cited.keys()
     assert (cited["version"], cited["license"]) == (project["version"], project["license"])
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert all(f"https://doi.org/{one['doi']}" in readme for one in cited["references"])
+    assert set(re.findall(r"https://doi\.org/([\w./]+\w)", readme)) <= {one["doi"] for one in cited["references"]}
 
 
 def test_forms_ask_for_what_is_needed():

@@ -5,7 +5,7 @@ python tools/listing.py extensions FOLDER [ZIP]     index.json beside a copy of 
 python tools/listing.py library FOLDER [ASSETS]     a remote asset library of assets/VERSION/vgroove.blend
 
 Static files; the addresses in them are relative, so that any server and folder will do. The library is for Blender 5.3
-and later, and is written by it: 5.2 has remote libraries too, but its command does not know the marks in names of files.
+and later, and is written by it: 5.2 has remote libraries too, but its command does not know the marks in file names.
 """
 
 from __future__ import annotations

@@ -29,6 +29,9 @@ from . import (
     thumbnails,
     viewer,
     viewer_draw,
+    viewer_export,
+    viewer_measure,
+    viewer_panel,
     watch,
 )
 
@@ -47,6 +50,9 @@ WITH_CLASSES = (
     measure,
     export,
     viewer,
+    viewer_measure,
+    viewer_export,
+    viewer_panel,
 )
 _registered = ExitStack()
 
@@ -79,6 +85,7 @@ def register() -> None:
         undo.callback(delattr, bpy.types.Scene, "vgroove_course")
         bpy.types.Scene.vgroove_viewer = bpy.props.PointerProperty(type=viewer.VGrooveViewer)
         undo.callback(delattr, bpy.types.Scene, "vgroove_viewer")
+        undo.callback(viewer_measure.unregister)
         undo.callback(viewer_draw.unregister)
         viewer_draw.register()
         follow.register()
