@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..addon.models.glass import ABSORPTION
-from ._tree import maximum, output
+from ._native import output
+from ._tree import maximum
 from .parameters import add_input
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from . import ashikhmin_shape
 from . import ashikhmin_shirley as model
-from ._tree import Value, dot, output, sqrt
+from ._native import output
+from ._tree import Value, dot, sqrt
 from .shading_normal import shading_normal, specular_normal
 
 if TYPE_CHECKING:

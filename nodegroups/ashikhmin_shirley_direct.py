@@ -10,7 +10,8 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import ashikhmin_shirley as model
-from ._tree import dot, maximum, output
+from ._native import output
+from ._tree import dot, maximum
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import lit, shading_normal, smoothing, specular_normal
 

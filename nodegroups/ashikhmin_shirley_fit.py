@@ -14,7 +14,8 @@ from ..addon.reference import ashikhmin_shirley_fit as fit
 from . import ashikhmin_shape
 from . import ashikhmin_shirley as model
 from . import ashikhmin_shirley_closure as closure
-from ._tree import maximum, minimum, output
+from ._native import output
+from ._tree import maximum, minimum
 
 if TYPE_CHECKING:
     from bpy.types import NodeSocket

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from ..addon.reference.fresnel import F82_COSINE
 from . import cook_torrance, ensure, fresnel
-from ._tree import Number, Tree, Value, output, sqrt
+from ._native import output
+from ._tree import Number, Tree, Value, sqrt
 from .versions import EXACT_CONDUCTOR
 
 if TYPE_CHECKING:

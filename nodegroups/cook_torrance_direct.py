@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import cook_torrance, ensure, fresnel, vgroove_g
-from ._tree import Number, Tree, Value, dot, greater, length, maximum, normalize, output
+from ._native import output
+from ._tree import Number, Tree, Value, dot, greater, length, maximum, normalize
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import lit, specular_normal
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 from . import cook_torrance, fresnel
 from . import cook_torrance_direct as direct
-from ._tree import Tree, clamp, dot, maximum, minimum, output, scale, vector
+from ._native import output
+from ._tree import Tree, clamp, dot, maximum, minimum, scale, vector
 from .lamp_beams import beam_interfaces
 from .shading_normal import specular_normal
 

@@ -21,7 +21,8 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import ensure
-from ._tree import Tree, Value, dot, maximum, normalize, output, scale, select, sqrt
+from ._native import output
+from ._tree import Tree, Value, dot, maximum, normalize, scale, select, sqrt
 from .versions import LIGHT_NODES
 
 if TYPE_CHECKING:

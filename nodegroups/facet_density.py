@@ -17,7 +17,8 @@ import numpy as np
 
 from ..addon.reference.facet_distribution import BINS, POINTS, SQRT_6, Distribution, Term
 from . import REVISION_KEY, ensure
-from ._tree import Tree, Value, dot, exp, less, log, maximum, output, scale, select, sqrt, vector
+from ._native import output
+from ._tree import Tree, Value, dot, exp, less, log, maximum, scale, select, sqrt, vector
 from .polynomial import horner
 
 if TYPE_CHECKING:

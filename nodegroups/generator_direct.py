@@ -10,7 +10,8 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import ensure, facet_density, fresnel, generator, vgroove_g
-from ._tree import Value, dot, greater, length, maximum, normalize, output
+from ._native import output
+from ._tree import Value, dot, greater, length, maximum, normalize
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import lit, shading_normal, smoothing, specular_normal
 

@@ -13,7 +13,8 @@ from ..addon.reference.generator_fit import HIGHEST, LOWEST, beckmann_terms
 from . import cook_torrance, ensure, fresnel, generator, shading_normal
 from . import cook_torrance_closure as native
 from . import cook_torrance_fit as fit
-from ._tree import Value, maximum, minimum, output, sqrt
+from ._native import output
+from ._tree import Value, maximum, minimum, sqrt
 from .shading_normal import typical_smoothing
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 from . import facet_density, fresnel, generator
 from . import generator_direct as direct
-from ._tree import Value, clamp, dot, maximum, minimum, output, scale, sqrt
+from ._native import output
+from ._tree import Value, clamp, dot, maximum, minimum, scale, sqrt
 from .lamp_beams import beam_interfaces
 from .random_numbers import random_numbers, stream
 from .shading_normal import specular_normal, typical_smoothing

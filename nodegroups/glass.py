@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..addon.models.glass import ABBE, MODEL, TINT
 from . import fresnel, osl_script, shading_normal
-from ._tree import Value, clamp, dot, output, select
+from ._native import output
+from ._tree import Value, clamp, dot, select
 from .parameters import add_input
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from ..addon.reference.fresnel import F82_COSINE
 from . import glass
-from ._tree import Tree, clamp, dot, output, sqrt, vector
+from ._native import output
+from ._tree import Tree, clamp, dot, sqrt, vector
 from .shading_normal import specular_normal
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@ import numpy as np
 
 from ..addon.reference.groove_fit import COSINE, NAMES, WIDEST, of_estimator, tables
 from . import cook_torrance, ensure, fresnel
-from ._tree import Tree, Value, clamp, dot, maximum, minimum, output, scale, sqrt, vector
+from ._native import output
+from ._tree import Tree, Value, clamp, dot, maximum, minimum, scale, sqrt, vector
 from .image_table import ImageTable
 from .shading_normal import specular_normal
 

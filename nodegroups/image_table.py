@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import bpy
 
 from . import REVISION_KEY
-from ._tree import Tree, Value, output
+from ._native import output
+from ._tree import Tree, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -24,6 +24,7 @@ from math import pi
 from typing import TYPE_CHECKING, Any
 
 from . import ensure, osl_script, versions
+from ._native import output
 from ._tree import (
     Tree,
     Value,
@@ -36,7 +37,6 @@ from ._tree import (
     maximum,
     minimum,
     normalize,
-    output,
     scale,
     select,
     sin,

@@ -18,7 +18,8 @@ from ..addon.measured.merl import THETA_D, THETA_H
 from ..addon.measured.model import COLUMNS, ROWS, atlas
 from ..addon.models.measured import MODEL
 from . import REVISION_KEY
-from ._tree import Value, cross, dot, length, maximum, minimum, normalize, output, scale, sqrt, vector
+from ._native import output
+from ._tree import Value, cross, dot, length, maximum, minimum, normalize, scale, sqrt, vector
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import measured, shading_normal
-from ._tree import output
+from ._native import output
 
 if TYPE_CHECKING:
     from ..addon.measured.model import Measured

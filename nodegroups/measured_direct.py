@@ -7,7 +7,8 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import measured, shading_normal
-from ._tree import Value, dot, greater, maximum, output
+from ._native import output
+from ._tree import Value, dot, greater, maximum
 from .lamp_beams import Beams, beam_interfaces
 
 if TYPE_CHECKING:

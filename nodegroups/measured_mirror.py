@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 from . import facet_density, measured, shading_normal
 from . import measured_direct as direct
-from ._tree import clamp, dot, greater, maximum, minimum, output, scale, sqrt
+from ._native import output
+from ._tree import clamp, dot, greater, maximum, minimum, scale, sqrt
 from .lamp_beams import beam_interfaces
 from .random_numbers import random_numbers, stream
 from .visible_facet import visible_facet

@@ -17,7 +17,8 @@ from __future__ import annotations
 
 from ..addon.reference import cycles
 from . import oren_nayar
-from ._tree import Tree, Value, greater, minimum, output
+from ._native import output
+from ._tree import Tree, Value, greater, minimum
 from .oren_nayar_table import LAMBERT, table
 
 NAME = "VGroove Oren-Nayar Closure"

@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import oren_nayar
-from ._tree import Tree, Value, dot, output
+from ._native import output
+from ._tree import Tree, Value, dot
 from .lamp_beams import Beams, beam_interfaces
 from .shading_normal import shading_normal, smoothing
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import eevee, oren_nayar
-from ._tree import dot, maximum, output
+from ._native import output
+from ._tree import dot, maximum
 from .oren_nayar_fit import albedo
 from .shading_normal import shading_normal, smoothing
 

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 
 from ..addon.reference.cycles import oren_nayar_power
 from . import oren_nayar
-from ._tree import Tree, Value, dot, maximum, minimum, output, sqrt
+from ._native import output
+from ._tree import Tree, Value, dot, maximum, minimum, sqrt
 from .oren_nayar_table import MEAN, table
 from .polynomial import polynomial
 from .polynomial import share as share_by_table

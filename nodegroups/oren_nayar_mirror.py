@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 from . import oren_nayar
 from . import oren_nayar_direct as direct
-from ._tree import Tree, cos, cross, less, maximum, normalize, output, scale, select, sin, sqrt
+from ._native import output
+from ._tree import Tree, cos, cross, less, maximum, normalize, scale, select, sin, sqrt
 from .lamp_beams import beam_interfaces
 from .random_numbers import random_numbers, stream
 from .shading_normal import shading_normal, smoothing

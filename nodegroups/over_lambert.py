@@ -7,7 +7,8 @@ from math import pi
 from typing import TYPE_CHECKING, Protocol
 
 from . import eevee
-from ._tree import Value, dot, greater, maximum, minimum, output, sqrt
+from ._native import output
+from ._tree import Value, dot, greater, maximum, minimum, sqrt
 from .shading_normal import lit, shading_normal, smoothing, specular_normal, typical_smoothing
 
 if TYPE_CHECKING:

@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING
 
 from ..addon.reference.phong_fit import KNEE
 from . import ensure, over_lambert, phong, smith_lobe
-from ._tree import Value, cross, dot, greater, maximum, minimum, normalize, output, scale, select, sqrt, tangents
+from ._native import output
+from ._tree import Value, cross, dot, greater, maximum, minimum, normalize, scale, select, sqrt, tangents
 from .polynomial import horner2
 from .shading_normal import specular_normal
 

@@ -15,7 +15,8 @@ correlated, and bias a product of both. Numbers in saved files and pictures depe
 from __future__ import annotations
 
 from . import ensure
-from ._tree import Tree, Value, output, vector
+from ._native import output
+from ._tree import Tree, Value, vector
 
 NAME = ".VGroove Random"
 REVISION = 4

@@ -10,7 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import ensure
-from ._tree import Tree, Value, clamp, dot, greater, hold, maximum, minimum, normalize, output, scale, select, sqrt
+from ._native import output
+from ._tree import Tree, Value, clamp, dot, greater, hold, maximum, minimum, normalize, scale, select, sqrt
 
 if TYPE_CHECKING:
     from collections.abc import Callable

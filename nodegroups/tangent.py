@@ -12,21 +12,8 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import ensure
-from ._tree import (
-    Tree,
-    Value,
-    cos,
-    cross,
-    dot,
-    greater,
-    hold,
-    maximum,
-    normalize,
-    output,
-    scale,
-    select,
-    sin,
-)
+from ._native import output
+from ._tree import Tree, Value, cos, cross, dot, greater, hold, maximum, normalize, scale, select, sin
 from .shading_normal import LONGEST
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ..addon.models.estimators import UPRIGHT
 from ..addon.models.translucent import MEAN_FREE_PATH, MODEL, REFLECTANCE
 from . import cook_torrance, cook_torrance_albedo
-from ._tree import Tree, output
+from ._native import output
 from .parameters import add_input, renamed
 from .shading_normal import typical_smoothing
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import bpy
 
     from ..addon.models import Form, Model
+    from ._tree import Tree
     from .sum import Seen
 
 NAME = "VGroove Translucent"

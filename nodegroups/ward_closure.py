@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import over_lambert, ward
-from ._tree import dot, maximum, minimum, output
+from ._native import output
+from ._tree import dot, maximum, minimum
 from .shading_normal import shading_normal
 
 if TYPE_CHECKING:

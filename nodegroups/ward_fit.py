@@ -14,7 +14,8 @@ from ..addon.models.ward import MODEL
 from ..addon.reference.cook_torrance_fit import NARROWEST
 from ..addon.reference.ward_fit import HIGH, LOW, NARROWING_1992, coefficients
 from . import anisotropic_fit, over_lambert, ward
-from ._tree import Value, cross, dot, maximum, minimum, output, scale, sqrt, vector
+from ._native import output
+from ._tree import Value, cross, dot, maximum, minimum, scale, sqrt, vector
 from .polynomial import horner2
 from .shading_normal import raised, specular_normal, typical_smoothing
 

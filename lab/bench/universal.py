@@ -28,7 +28,8 @@ from ...addon.blender import lamps as lamp_binding
 from ...addon.blender.material import BUILDERS, NATIVE, RANDOM, UPRIGHT, Choice, _bind, _group_node, parameter_sockets
 from ...addon.models import MODELS, base_name, label, parameter, symbol
 from ...nodegroups import absorption, cook_torrance, cook_torrance_albedo, lamp, ramp, shading_normal, versions
-from ...nodegroups._tree import Value, output
+from ...nodegroups._native import output
+from ...nodegroups._tree import Value
 from ...nodegroups.lamp_beams import beam_interfaces
 from ..scenery import add_node, wire
 from .any_fresnel import ANY, any_kind, by_data

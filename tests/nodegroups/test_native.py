@@ -25,7 +25,8 @@ from vgroove.addon.reference.glass import refraction_facet
 from vgroove.addon.reference.oren_nayar_fit import cycles_diffuse
 from vgroove.lab.check.views import closure_bar
 from vgroove.nodegroups import osl_script, versions
-from vgroove.nodegroups._tree import NativeError, Tree, cross, output
+from vgroove.nodegroups._native import NativeError, output
+from vgroove.nodegroups._tree import Tree, cross
 
 pytestmark = pytest.mark.blender
 
