@@ -11,22 +11,17 @@ from contextlib import contextmanager
 from math import e
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import bpy
-
-from ..addon.library.errors import InputError
+from ._native import NativeError, named, output, unlike
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
+    import bpy
     from bpy.types import Node, NodeSocket
 
 Number: TypeAlias = "Value | float | tuple[float, float, float]"  # what arithmetic takes
 OPERANDS = ("Value", "Value_001", "Value_002"), ("Vector", "Vector_001", "Vector_002")  # of Math, of Vector Math
 TAKES = {"number": {"VALUE", "VECTOR", "RGBA"}, "vector": {"VECTOR", "RGBA"}, "shader": {"SHADER"}}
-
-
-class NativeError(InputError):
-    """One of Blender's own nodes lacks the socket that is wired here."""
 
 
 class Value:
@@ -230,10 +225,10 @@ class Tree:
         Names on screen and places change from one Blender to the next, identifiers hardly. Raises NativeError where
         there is no such input, or it is of a type that does not take this value.
         """
-        found = _named(node.inputs, name)
+        found = named(node.inputs, name)
         kind = _kind(value)
         if found is None or found.type not in TAKES[kind]:
-            raise NativeError(_unlike(node, f"input {name.replace('_', ' ')!r} that takes a {kind}"))
+            raise NativeError(unlike(node, f"input {name.replace('_', ' ')!r} that takes a {kind}"))
         if kind == "shader":
             self.node_tree.links.new(value, found)
         else:
@@ -329,26 +324,6 @@ def _kind(value: Number | NodeSocket) -> str:
     if isinstance(value, Value):
         return "vector" if value.is_vector else "number"
     return "vector" if isinstance(value, tuple) else "number" if isinstance(value, float | int) else "shader"
-
-
-def output(node: Node, name: str) -> NodeSocket:
-    """The output of one of Blender's own nodes, by its identifier ('_' for a blank); NativeError if it has none."""
-    found = _named(node.outputs, name)
-    if found is None:
-        raise NativeError(_unlike(node, f"output {name.replace('_', ' ')!r}"))
-    return found
-
-
-def _named(sockets: bpy.types.bpy_prop_collection[NodeSocket], name: str) -> NodeSocket | None:
-    names = name, name.replace("_", " ")
-    return next((socket for socket in sockets if socket.identifier in names), None)
-
-
-def _unlike(node: Node, what: str) -> str:
-    return (
-        f"the node {node.bl_label} of Blender {bpy.app.version_string} has no {what}; "
-        "take a Blender that vgroove is tested with, or a newer vgroove"
-    )
 
 
 def minimum(a: Value, b: Number) -> Value:

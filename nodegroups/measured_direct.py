@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Measured Direct"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, of: Measured, kind: str, lamps: int) -> None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Measured Mirror"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, of: Measured, kind: str, lamps: int = 0) -> None:

@@ -210,7 +210,8 @@ def test_eevee_shows_the_formula_at_every_light(blender):
     at_lights = seen(shown)
     # Of a narrow lobe EEVEE's own closure, whose color is cut to 6 bits, holds most of what is shown
     for k, preset in enumerate((MATTE, COATED, MIXED, BRUSHED, GLOSSY, SHEET, RIBBON, STEEL, OAK)):
-        share, bar = 0.5 if preset == MIXED else 1.0, 2.0 * PACKED if preset == SHEET else 0.005
+        # Of a wide one it holds a little of lights at the horizon that is not taken off: 0.65 % of the steel's peak
+        share, bar = 0.5 if preset == MIXED else 1.0, {SHEET: 2.0 * PACKED, STEEL: PACKED}.get(preset, 0.005)
         wanted = share * expected(presets.find(preset).reference(), k * CELLS)
         np.testing.assert_allclose(at_lights[k], wanted, atol=bar * wanted.max(), rtol=0.0, err_msg=preset)
 

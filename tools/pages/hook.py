@@ -69,9 +69,11 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 
 def made() -> Iterator[tuple[str, str | bytes]]:
     """The pages and files that are made, by their place in the site."""
-    for name in ("README", "CONTRIBUTING", "CHANGELOG"):
-        text = (ROOT / f"{name}.md").read_text(encoding="utf-8")
-        yield "index.md" if name == "README" else f"{name.lower()}.md", moved(text)
+    yield "index.md", front((ROOT / "README.md").read_text(encoding="utf-8"))
+    for path in (*ROOT.glob("*.md"), ROOT / "CITATION.cff"):
+        if path.stem != "README":
+            text = path.read_text(encoding="utf-8")
+            yield f"project/{path.name}", text.replace("](docs/", "](../").replace("](README.md", "](../index.md")
     for path in STATIC.iterdir():
         yield f"static/{path.name}", path.read_bytes()
     for path in (ROOT / "docs").glob("*.ipynb"):
@@ -83,13 +85,9 @@ def made() -> Iterator[tuple[str, str | bytes]]:
     yield "static/lecture.html", viewer.page([(name, presets.find(of)) for name, of in LECTURE.items()])
 
 
-def moved(text: str) -> str:
-    """A page of the repository's top folder, with its links as they are from the site's."""
-    text = re.sub(r"\]\(docs/", "](", text)
-    return re.sub(r"\]\((README|CONTRIBUTING|CHANGELOG)\.md", lambda m: f"]({PLACES[m[1]]}", text)
-
-
-PLACES = {"README": "index.md", "CONTRIBUTING": "contributing.md", "CHANGELOG": "changelog.md"}
+def front(text: str) -> str:
+    """README with its links as they are from the site's front page: others of its folder stand in project/."""
+    return re.sub(r"\]\((?=[A-Z_]+\.)", "](project/", text.replace("](docs/", "]("))
 
 
 def _api() -> Iterator[tuple[str, str]]:
@@ -113,7 +111,7 @@ def _lecture() -> str:
 
 def on_page_markdown(text: str, *, page: Page, **_: Any) -> str:
     """Lists as forges indent them; formulas of pages that have some are held back until the page is HTML."""
-    text = _indented(MARK.sub("", text))
+    text = re.sub(r"\]\(\.\./(?=[A-Z_]+\.md)", "](project/", _indented(MARK.sub("", text)))
     found: list[str] = []
 
     def hold(match: re.Match[str]) -> str:
