@@ -6,14 +6,16 @@ UV := $(shell command -v uv 2>/dev/null || echo .tools/uv/bin/uv)
 RUN = $(UV) run --quiet
 RUN_45 = UV_PROJECT_ENVIRONMENT=.venv-4.5 $(UV) run --quiet --python 3.11
 RUN_53 = UV_PROJECT_ENVIRONMENT=.venv-5.3 $(UV) run --quiet --no-group blender-5-2 --group blender-5-3
+# Which rows test-all adds; DAY=2026-12-01 repeats those of that night.
+DAY := $(shell date +%F)
 PYTEST = pytest -n auto --dist worksteal  # neighbours stay together: they share node groups and the reference's integrals
 
-.PHONY: demo test test-once test-4.5 test-5.3 test-all test-window test-page lint check report across documents previews assets package clean
+.PHONY: demo test test-once test-4.5 test-5.3 test-all test-every test-window test-page lint check report across documents docs previews assets package listing release clean
 
 demo: | $(UV)  ## the six lecture materials on one sheet, and Cycles against NumPy
 	$(RUN) python tools/demo.py build/demo.png
 
-test test-once test-4.5 test-5.3 test-all: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
+test test-once test-4.5 test-5.3 test-all test-every: export OPENBLAS_NUM_THREADS = 1  # a worker a core: more threads would only wait for each other
 
 test: | $(UV)  ## the tests, on Blender 5.2 LTS; of grids of renders each value; not what takes long
 	$(RUN) $(PYTEST) -m "not once and not slow"
@@ -27,12 +29,17 @@ test-4.5: | $(UV)  ## on Blender 4.5 LTS, what depends on the Blender
 test-5.3: | $(UV)  ## on Blender 5.3
 	$(RUN_53) $(PYTEST)
 
-test-all: | $(UV)  ## every row of every grid, on all three, clicks in a window, and the page in a browser
+test-all: | $(UV)  ## for each night: the tests on all three, a seventh of all other rows, clicks in a window, the page in a browser
+	$(RUN) $(PYTEST) --rotate $(DAY)
+	$(RUN_45) $(PYTEST) --rotate $(DAY)
+	$(RUN_53) $(PYTEST) --rotate $(DAY)
+	$(MAKE) test-window
+	$(MAKE) test-page
+
+test-every: | $(UV)  ## every row of every grid, on all three
 	$(RUN) $(PYTEST) --cover 0
 	$(RUN_45) $(PYTEST) --cover 0
 	$(RUN_53) $(PYTEST) --cover 0
-	$(MAKE) test-window
-	$(MAKE) test-page
 
 test-window: | $(UV)  ## clicks in a real Blender's window: Debian's, in .cache/window; as root, on Debian
 	$(RUN) pytest tests/window
@@ -63,6 +70,9 @@ across: | $(UV)  ## presets and textured scenes by each Blender, and how far apa
 documents: | $(UV)  ## what `make report` measured into docs/, its figures into every page, its biases into Automatic
 	$(RUN) vgroove report --from build/report/report.json --documents .
 
+docs: | $(UV)  ## the site: build/site/index.html, which needs no server
+	NO_MKDOCS_2_WARNING=1 $(RUN) mkdocs build --strict  # with --quiet warnings would not count
+
 previews: | $(UV)  ## a picture of every preset that has none yet or has changed, for the panel and the asset library
 	$(RUN) python tools/previews.py
 
@@ -74,6 +84,17 @@ assets: previews  ## every preset for the Asset Browser, a file for each Blender
 
 package: assets  ## the extension as dist/vgroove-VERSION.zip, built and validated by Blender's own tool
 	$(RUN) python tools/package.py dist
+
+listing: | $(UV)  ## what a web server serves for Get Extensions and as a remote asset library: dist/extensions, dist/library
+	$(RUN) python tools/listing.py extensions dist/extensions
+	$(RUN_53) python tools/listing.py library dist/library
+
+release: | $(UV)  ## from a clean tree: all that must pass, then zip, wheel, sdist, SHA256SUMS, notes and listings in dist/
+	$(RUN) python tools/release.py --clean
+	.ci/run
+	$(MAKE) assets
+	$(RUN) python tools/release.py dist
+	$(MAKE) listing
 
 .tools/uv/bin/uv:  # an environment of its own, as many systems refuse `pip install` outside one
 	python3 -m venv .tools/uv

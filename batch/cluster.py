@@ -6,6 +6,7 @@ Each worker has its renders done by a ``Child``, which ends with it. One thread 
 
 from __future__ import annotations
 
+import ipaddress
 import logging
 import queue
 import re
@@ -33,15 +34,26 @@ PATIENCE = 10  # seconds for a scheduler to answer
 ADDRESS = re.compile(r"(tcp|tls|wss?)://[^\s/]+:([0-9]{1,5})", re.ASCII)
 
 
+ENCRYPTED = "tls", "wss"
+
+
 class ClusterError(InputError):
     """A cluster that cannot be used."""
 
 
-def connect_client(address: str) -> Any:
-    """A client of the scheduler at ``address``; ClusterError if it cannot be reached."""
+def connect_client(address: str, *, insecure: bool = False) -> Any:
+    """A client of the scheduler at ``address``; ClusterError if it cannot be reached.
+
+    insecure: also without TLS to another machine. Whoever can reach such a scheduler runs code on all its workers, and
+    on whoever asks it.
+    """
     found = ADDRESS.fullmatch(address)
     if not found or not 1 <= int(found[2]) <= 65535:
         message = f'--cluster "{address}": write the address of a Dask scheduler, as in tcp://farm:8786'
+        raise ClusterError(message)
+    if not (insecure or found[1] in ENCRYPTED or _is_this_machine(address)):
+        message = f"{address}: is not encrypted, and whoever reaches it can run code here and on the workers; "
+        message += "use tls:// (Dask's configuration names the certificates), or --insecure in a network that you trust"
         raise ClusterError(message)
     try:
         import distributed
@@ -69,6 +81,15 @@ def connect_client(address: str) -> Any:
         message += "start one by `dask scheduler` and give its address, as in tcp://farm:8786"
         raise ClusterError(message) from answer
     return answer
+
+
+def _is_this_machine(address: str) -> bool:
+    """Whether nobody else can listen on the way: an address of the loopback network, as a number or by its name."""
+    host = str(urlsplit(address).hostname)
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 def outcomes(

@@ -13,7 +13,7 @@ import typer
 from typer.exceptions import TyperException
 
 from ..addon.library.errors import InputError
-from . import batch, check, explain, fit, gallery, info, measure, plot, presets, render, report, view
+from . import batch, check, doctor, explain, fit, gallery, info, measure, plot, presets, render, report, view
 from .terminal import fail
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ app.command("info")(info.info)
 app.command("plot")(plot.plot)
 app.command("fit")(fit.fit)
 app.command("explain")(explain.explain)
+app.command("doctor")(doctor.doctor)
 app.command("batch")(batch.batch)
 app.command("gallery")(gallery.gallery)
 app.command("check")(check.check)

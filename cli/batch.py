@@ -53,7 +53,10 @@ MemoryOption = Annotated[
 ]
 ClusterOption = Annotated[
     str | None,
-    typer.Option(metavar="ADDRESS", help="Render on the workers of this Dask scheduler: tcp://farm:8786"),
+    typer.Option(metavar="ADDRESS", help="Render on the workers of this Dask scheduler: tls://farm:8786"),
+]
+InsecureOption = Annotated[
+    bool, typer.Option("--insecure", help="With --cluster: also tcp:// and ws:// to another machine, unencrypted")
 ]
 OpenJdOption = Annotated[
     Path | None,
@@ -74,6 +77,7 @@ def batch(
     timeout: TimeoutOption = None,
     memory: MemoryOption = None,
     cluster: ClusterOption = None,
+    insecure: InsecureOption = False,
     openjd_file: OpenJdOption = None,
 ) -> None:
     """Render every task of a job file to a still. Existing complete stills are kept."""
@@ -99,7 +103,7 @@ def batch(
     else:
         from ..batch import cluster as dask
 
-        with dask.connect_client(cluster) as client:
+        with dask.connect_client(cluster, insecure=insecure) as client:
             if memory is None:  # that is for each machine to say
                 limit = replace(limit, memory=0)
             table = _results_file(output, part)

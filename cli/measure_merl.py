@@ -5,17 +5,14 @@ from __future__ import annotations
 
 import json
 import time
-import zipfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..addon.library import presets
 from ..addon.library.errors import InputError
-from ..addon.library.files import check_writable, replacing
-from ..addon.measured.merl import write_merl
+from ..addon.library.files import check_writable
+from ..addon.measured.as_preset import check_opaque
 from .environment import start_blender, versions
 from .options import AUTO, Estimator, apply_settings
 from .terminal import progress, say
@@ -24,9 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from bpy.types import Material, Scene
-    from numpy.typing import NDArray
-
-    from ..addon.library.presets import Preset
 
 LONGEST_LIST = 10  # names in a message
 
@@ -43,10 +37,13 @@ def measure_merl(
     measured: dict[str, Any] = {"samples": samples, "seed": seed, "versions": versions()}
     if material is None:
         preset = apply_settings(presets.find(name), settings, at_time)
-        chosen = _chosen(preset, estimator)
+        check_opaque(preset)
+        chosen = "direct" if estimator == AUTO else str(estimator)
         measured |= {"preset": asdict(preset), "estimator": chosen, "backend": backend, "bound": bound}
         start_blender()
-        make, shading_osl = _of_preset(preset, backend, chosen, bound), backend == "osl"
+        from ..addon.blender.merl_file import of_preset
+
+        make, shading_osl = of_preset(preset, backend, chosen, bound), backend == "osl"
     else:
         if settings or at_time is not None or estimator != AUTO:
             message = "--material is measured as it stands in the file; leave --set, --time and --estimator out"
@@ -59,31 +56,9 @@ def measure_merl(
         measured |= {"file": str(file.absolute()), "changed": [state.st_mtime_ns, state.st_size], "material": material}
         start_blender()
         make, shading_osl = _of_file(file, material)
-    from .. import headless
-
     start = time.perf_counter()
-    table = _table(make, output, json.dumps(measured, default=str), samples, seed, shading_osl=shading_osl)
-    with headless.quiet():
-        write_merl(output, table)
-    _part(output).unlink(missing_ok=True)
+    _measure(make, output, json.dumps(measured, default=str), samples, seed, shading_osl=shading_osl)
     say(f"wrote {output}; {time.perf_counter() - start:.1f} s")
-
-
-def _chosen(preset: Preset, estimator: Estimator) -> str:
-    if preset.transparent:
-        message = f"{preset.id} lets light through, which a MERL table cannot hold; choose an opaque preset"
-        raise InputError(message)
-    return "direct" if estimator == AUTO else str(estimator)
-
-
-def _of_preset(preset: Preset, backend: str, estimator: str, bound: float) -> Callable[[Scene], Material]:
-    from ..addon.blender.material import Choice, build, lamps_to_bind
-
-    def make(scene: Scene) -> Material:
-        suns = lamps_to_bind(scene, estimator, preset.model)
-        return build(preset, Choice(backend, estimator, suns, shadows=False, bound=bound))
-
-    return make
 
 
 def _of_file(file: Path, name: str) -> tuple[Callable[[Scene], Material], bool]:
@@ -91,7 +66,7 @@ def _of_file(file: Path, name: str) -> tuple[Callable[[Scene], Material], bool]:
     import bpy
 
     from .. import headless
-    from ..addon.blender import origin, reading
+    from ..addon.blender import merl_file
     from ..headless import scene as scenes
 
     with headless.quiet():
@@ -102,53 +77,28 @@ def _of_file(file: Path, name: str) -> tuple[Callable[[Scene], Material], bool]:
         known = ", ".join(names[:LONGEST_LIST]) + " ..." * (len(names) > LONGEST_LIST)
         message = f'{file}: has no material "{name}"; it has {known or "none"}'
         raise InputError(message)
-    record = origin.read(found)
-    if record is not None:
-        preset = reading.to_preset(found)
-        _chosen(preset, AUTO)
-        return _of_preset(preset, record.backend, record.estimator, record.bound), record.backend == "osl"
-    return (lambda _scene: found), bool(shown.cycles.shading_system)
+    return merl_file.of_material(found, runs_osl=bool(shown.cycles.shading_system))
 
 
-def _table(
+def _measure(
     make: Callable[[Scene], Material], output: Path, key: str, samples: int, seed: int, *, shading_osl: bool
-) -> NDArray[np.float64]:
-    """All entries (3, 90, 90, 180): those that a run before left beside the output, and the rest measured."""
+) -> None:
+    """All entries: those that a run before left beside the output, and the rest measured."""
     from .. import headless
-    from ..addon.blender import gonio_merl
+    from ..addon.blender import merl_file
 
-    done = _resumed(_part(output), key)
+    steps = merl_file.measured(make, output, key, samples=samples, seed=seed, shading_osl=shading_osl)
+    done = next(steps)
     if done:
-        say(f"resuming at {len(done)}/{gonio_merl.BANDS}")
-    rest = gonio_merl.bands(make, first=len(done), samples=samples, seed=seed, shading_osl=shading_osl)
+        say(f"resuming at {done}/{merl_file.BANDS}")
 
-    def measured() -> Any:
+    def rest() -> Any:
         while True:
             with headless.quiet():  # not around the progress bar
-                band = next(rest, None)
-            if band is None:
+                step = next(steps, None)
+            if step is None:
                 return
-            yield band
+            yield step
 
-    for band in progress(measured(), "theta_h", gonio_merl.BANDS - len(done)):
-        done.append(band)
-        if len(done) < gonio_merl.BANDS:
-            with replacing(_part(output)) as temporary, temporary.open("wb") as file:
-                np.savez(file, key=key, table=np.stack(done))
-    return np.concatenate(done, axis=1)
-
-
-def _part(output: Path) -> Path:
-    return output.with_name(f"{output.name}.part")
-
-
-def _resumed(path: Path, key: str) -> list[NDArray[np.float64]]:
-    """The bands of an interrupted measurement, if it was the same one; a damaged file is started over."""
-    try:
-        with np.load(path, allow_pickle=False) as held:
-            if str(held["key"]) == key:
-                table = held["table"]
-                return list(table) if table.dtype == np.float64 and table.ndim == 5 else []
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+    for _ in progress(rest(), "theta_h", merl_file.BANDS - done):
         pass
-    return []

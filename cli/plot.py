@@ -17,7 +17,7 @@ from .options import SetOption, TimeOption, apply_settings, real
 from .terminal import say
 
 if TYPE_CHECKING:
-    from ..lab.curves import View
+    from ..addon.measured.curves import View
 
 
 class Plot(StrEnum):
@@ -122,7 +122,7 @@ def plot(
     if ending != ".csv":
         require_packages("matplotlib", what=f"a {ending} file")
     brdfs = named(names, settings, at_time)
-    from ..lab import curves
+    from ..addon.measured import curves
 
     view = curves.View(theta_i, phi_i, phi_o, theta_h, phi_d, str(times))
     content = (

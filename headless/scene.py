@@ -142,13 +142,20 @@ def light_by(scene: Scene, image: Path, strength: float = 1.0) -> None:
 # Scenes of others
 
 
-def open_file(path: Path) -> Scene:
-    """Open a .blend in place of the current file and return its scene; SceneError if it cannot be opened."""
+def open_file(path: Path, *, for_saving: bool = False) -> Scene:
+    """Open a .blend in place of the current file and return its scene; SceneError if it cannot be opened.
+
+    It runs no script of the file, and unless it is to be saved its File Output nodes are muted: a render writes what it
+    was asked for and nothing else.
+    """
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(one_root(path.absolute())), load_ui=False)
+        bpy.ops.wm.open_mainfile(filepath=str(one_root(path.absolute())), load_ui=False, use_scripts=False)
     except RuntimeError as error:
         message = f"{path}: cannot be opened as a .blend: {' '.join(str(error).split())}"
         raise SceneError(message) from error
+    for tree in () if for_saving else versions.compositors():
+        for node in tree.nodes:
+            node.mute |= node.bl_idname == "CompositorNodeOutputFile"
     refresh_all()  # without the extension nothing kept materials to the file's working space
     return bpy.context.scene
 

@@ -19,17 +19,17 @@ from matplotlib.colors import LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator
 
+from ..addon.measured.curves import MOST, PLOTS, Numbers, View, csv_text, numbers, quantity
 from ..addon.reference import lobe
-from .curves import MOST, PLOTS, Numbers, View, csv_text, numbers, quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from matplotlib.axes import Axes
 
     from ..addon.reference.directions import Floats
 
-__all__ = ["CHANNELS", "PLOTS", "View", "csv_text", "draw", "numbers", "png", "svg"]
+__all__ = ["CHANNELS", "PLOTS", "View", "csv_text", "draw", "numbers", "png", "residuals", "svg"]
 
 CHANNELS = (*lobe.CHANNELS, "rgb")
 DPI = 160
@@ -91,6 +91,22 @@ def draw(
         if plot == "polar":
             return _polar(shown, view, channel, log=log)
         return _lines(plot, shown, view, channel, log=log)
+
+
+def residuals(angles: Sequence[float], shares: Mapping[str, Sequence[float]], title: str) -> Figure:
+    """What fits leave: by the light's angle in degrees the share of the reflected light that differs, a line each."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.6, 3.4), layout="constrained")
+        ax = figure.subplots()
+        for (name, of), colour in zip(shares.items(), COLOURS, strict=False):
+            ax.plot(angles, 100.0 * np.asarray(of), label=_verbatim(name), color=colour, marker="o", ms=4)
+        ax.set(xlabel=f"{SYMBOLS['theta_i']} (degrees)", ylabel="differs, % of the reflected light")
+        ax.set_title(_verbatim(title))
+        ax.set_xlim(0, 90)
+        ax.set_ylim(bottom=0.0)
+        ax.xaxis.set_major_locator(FixedLocator(list(range(0, 91, 15))))
+        _legend(figure, ax)
+        return figure
 
 
 def png(figure: Figure) -> bytes:

@@ -7,6 +7,7 @@ Names of groups that models hold inside begin with a dot: Blender's Add menu and
 
 from __future__ import annotations
 
+import json
 import re
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 REVISION_KEY = "vgroove_revision"
 CYCLES_KEY = "vgroove_cycles"  # which Cycles a group was built for; older files do not say it
-SOCKETS_KEY = "vgroove_sockets"  # a group's sockets as they were built: identifier -> type and name
+SOCKETS_KEY = "vgroove_sockets"  # a group's sockets as they were built, as JSON: identifier -> type and name
 
 
 def ensure(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.ShaderNodeTree:
@@ -33,6 +34,8 @@ def ensure(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types
     it; Blender gives the new one a numbered name.
     """
     for group in bpy.data.node_groups:
+        if not group.name.startswith(name):  # most are others, and this is quick
+            continue
         same = (
             re.sub(r"\.\d+$", "", group.name) == name and group.get(REVISION_KEY) == revision and group.library is None
         )
@@ -51,7 +54,7 @@ def make(name: str, revision: int, build: Callable[[Tree], None]) -> bpy.types.S
         bpy.data.node_groups.remove(group)
         raise
     arrange(group)
-    group[REVISION_KEY], group[CYCLES_KEY], group[SOCKETS_KEY] = revision, cycles.version(), _sockets(group)
+    group[REVISION_KEY], group[CYCLES_KEY], group[SOCKETS_KEY] = revision, cycles.version(), json.dumps(_sockets(group))
     return group
 
 
@@ -94,4 +97,6 @@ def _sockets(group: bpy.types.ShaderNodeTree) -> dict[str, str]:
 
 
 def _as_built(group: bpy.types.ShaderNodeTree) -> dict[str, str]:
-    return group[SOCKETS_KEY].to_dict() if SOCKETS_KEY in group else {}
+    built = group.get(SOCKETS_KEY, "{}")
+    found: dict[str, str] = json.loads(built) if isinstance(built, str) else built.to_dict()  # as in older files
+    return found

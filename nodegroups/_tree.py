@@ -79,14 +79,14 @@ class Value:
     @property
     def xyz(self) -> tuple[Value, Value, Value]:
         """The three components."""
-        apart = self.tree.node("ShaderNodeSeparateXYZ", Vector=self)
+        apart = self.tree.one_node("ShaderNodeSeparateXYZ", Vector=self)
         x, y, z = (Value(self.tree, output(apart, name)) for name in "XYZ")
         return x, y, z
 
     @property
     def rgb(self) -> tuple[Value, Value, Value]:
         """The three components of a colour: one step in Cycles, for which ``xyz`` takes four."""
-        apart = self.tree.node("ShaderNodeSeparateColor", Color=self)
+        apart = self.tree.one_node("ShaderNodeSeparateColor", Color=self)
         r, g, b = (Value(self.tree, output(apart, name)) for name in ("Red", "Green", "Blue"))
         return r, g, b
 
@@ -98,7 +98,8 @@ class Tree:
         self.node_tree = node_tree
         self._frame: bpy.types.Node | None = None
         self._panel: bpy.types.NodeTreeInterfacePanel | None = None
-        self._cached: dict[str, bpy.types.Node] = {}
+        self._known: dict[tuple[object, ...], Node] = {}
+        self._nested: dict[str, bpy.types.ShaderNodeTree] = {}
         self._input = node_tree.nodes.new("NodeGroupInput")
         self._output = node_tree.nodes.new("NodeGroupOutput")
 
@@ -214,6 +215,15 @@ class Tree:
                 self.wire(node, name, value)
         return node
 
+    def one_node(self, kind: str, **given: Any) -> Node:
+        """As ``node``, but the one that was made before of the same: a file would hold both, Cycles merges them."""
+        return self._once((kind, *_named_inputs(given)), lambda: self.node(kind, **given))
+
+    def _once(self, key: tuple[object, ...], make: Callable[[], Node]) -> Node:
+        if key not in self._known:
+            self._known[key] = make()
+        return self._known[key]
+
     def wire(self, node: Node, name: str, value: Number | NodeSocket) -> None:
         """Give an input of one of Blender's own nodes a value; ``name``: its identifier, '_' for a blank.
 
@@ -241,11 +251,15 @@ class Tree:
         return node
 
     def group(self, node_tree: bpy.types.ShaderNodeTree, **inputs: Number) -> Node:
-        """A nested node group with inputs connected by name ('_' for a blank)."""
-        node = self.nested(node_tree)
-        for name, value in inputs.items():
-            self.connect(value, node.inputs[name.replace("_", " ")])
-        return node
+        """The nested node group with inputs connected by name ('_' for a blank)."""
+
+        def make() -> Node:
+            node = self.nested(node_tree)
+            for name, value in inputs.items():
+                self.connect(value, node.inputs[name.replace("_", " ")])
+            return node
+
+        return self._once((node_tree.name, *_named_inputs(inputs)), make)
 
     def connect(self, value: Number, socket: bpy.types.NodeSocket) -> None:
         if isinstance(value, Value):
@@ -257,11 +271,19 @@ class Tree:
         else:
             socket.default_value = value
 
+    def nested_value(self, name: str, revision: int, build: Callable[[Tree], None], **inputs: Number) -> Value:
+        """The first output of the group ``.VGroove NAME`` for these inputs."""
+        from . import ensure  # here, as it imports this module
+
+        if name not in self._nested:
+            self._nested[name] = ensure(f".VGroove {name}", revision, build)
+        return Value(self, self.group(self._nested[name], **inputs).outputs[0])
+
     def math(self, operation: str, *operands: Number) -> Value:
         """One Math node, or one Vector Math node where an operand is a vector (numbers then count thrice)."""
         vector = any(isinstance(operand, tuple) or getattr(operand, "is_vector", False) for operand in operands)
         kind = "ShaderNodeVectorMath" if vector else "ShaderNodeMath"
-        node = self.node(kind, operation=operation, **dict(zip(OPERANDS[vector], operands, strict=False)))
+        node = self.one_node(kind, operation=operation, **dict(zip(OPERANDS[vector], operands, strict=False)))
         return Value(self, output(node, OPERANDS[vector][0]))
 
     def add_shaders(self, sockets: list[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
@@ -279,11 +301,28 @@ class Tree:
 
     def geometry(self, name: str) -> Value:
         """An output of the Geometry node: Position, Normal, Incoming ..."""
-        if "geometry" not in self._cached:
-            frame, self._frame = self._frame, None
-            self._cached["geometry"] = self.node("ShaderNodeNewGeometry")
-            self._frame = frame
-        return Value(self, output(self._cached["geometry"], name))
+        frame, self._frame = self._frame, None
+        # The view is wanted in nearly every group, of a node with nine outputs.
+        found = self.nested_value("View", 1, _build_view) if name == "Incoming" else _geometry(self, name)
+        self._frame = frame
+        return found
+
+    def fused(self, a: Number, b: Number, c: Number) -> Value:
+        """a b + c in one node."""
+        return self.math("MULTIPLY_ADD", a, b, c)
+
+
+def _geometry(tree: Tree, name: str) -> Value:
+    return Value(tree, output(tree.one_node("ShaderNodeNewGeometry"), name))
+
+
+def _build_view(tree: Tree) -> None:
+    tree.output_vector("Incoming", _geometry(tree, "Incoming"), tip="Unit vector to the viewer")
+
+
+def _named_inputs(given: Mapping[str, Any]) -> list[tuple[str, object]]:
+    """What tells equal inputs: the socket of a value, and the digits of a number, of which -0.0 has others than 0.0."""
+    return [(name, value.socket if isinstance(value, Value) else repr(value)) for name, value in given.items()]
 
 
 def _kind(value: Number | NodeSocket) -> str:
@@ -322,14 +361,20 @@ def maximum(a: Value, b: Number) -> Value:
 
 def clamp(a: Value) -> Value:
     """``a`` held within 0..1."""
-    return minimum(maximum(a, 0.0), 1.0)
+    return hold(a, 0.0, 1.0)
 
 
 def hold(a: Value, low: float, high: float) -> Value:
     """``a`` held within low..high; a number that is not one becomes ``low``."""
     if a.is_vector:
-        return minimum(maximum(a, low), high)
-    return Value(a.tree, output(a.tree.node("ShaderNodeClamp", Value=a, Min=low, Max=high), "Result"))
+        return a.tree.nested_value("Hold", 1, _build_hold, Value=a, Low=low, High=high)
+    return Value(a.tree, output(a.tree.one_node("ShaderNodeClamp", Value=a, Min=low, Max=high), "Result"))
+
+
+def _build_hold(tree: Tree) -> None:
+    """A group, as every color of every interface is held."""
+    value, low, high = (tree.input_vector(name, tip=f"{name}, of each component") for name in ("Value", "Low", "High"))
+    tree.output_vector("Value", minimum(maximum(value, low), high), tip="Within both")
 
 
 def less(a: Value, b: Number) -> Value:
@@ -348,7 +393,7 @@ def select(condition: Value, yes: Number, no: Number) -> Value:
     vector = any(isinstance(v, tuple) or getattr(v, "is_vector", False) for v in (yes, no))
     kind = "Vector" if vector else "Float"
     given = {"Factor_Float": condition, f"A_{kind}": no, f"B_{kind}": yes}
-    node = tree.node("ShaderNodeMix", data_type=kind.upper(), clamp_factor=True, **given)
+    node = tree.one_node("ShaderNodeMix", data_type=kind.upper(), clamp_factor=True, **given)
     return Value(tree, output(node, f"Result_{kind}"))
 
 
@@ -387,11 +432,11 @@ def absolute(a: Value) -> Value:
 
 def vector(x: Number, y: Number, z: Number) -> Value:
     tree = next(v.tree for v in (x, y, z) if isinstance(v, Value))
-    return Value(tree, output(tree.node("ShaderNodeCombineXYZ", X=x, Y=y, Z=z), "Vector"))
+    return Value(tree, output(tree.one_node("ShaderNodeCombineXYZ", X=x, Y=y, Z=z), "Vector"))
 
 
 def dot(a: Value, b: Number) -> Value:
-    node = a.tree.node("ShaderNodeVectorMath", operation="DOT_PRODUCT", Vector=a, Vector_001=b)
+    node = a.tree.one_node("ShaderNodeVectorMath", operation="DOT_PRODUCT", Vector=a, Vector_001=b)
     return Value(a.tree, output(node, "Value"))
 
 
@@ -401,7 +446,7 @@ def cross(a: Value, b: Number) -> Value:
 
 def scale(a: Value, factor: Value) -> Value:
     """Vector times number."""
-    node = a.tree.node("ShaderNodeVectorMath", operation="SCALE", Vector=a, Scale=factor)
+    node = a.tree.one_node("ShaderNodeVectorMath", operation="SCALE", Vector=a, Scale=factor)
     return Value(a.tree, output(node, "Vector"))
 
 
@@ -410,7 +455,7 @@ def normalize(a: Value) -> Value:
 
 
 def length(a: Value) -> Value:
-    return Value(a.tree, output(a.tree.node("ShaderNodeVectorMath", operation="LENGTH", Vector=a), "Value"))
+    return Value(a.tree, output(a.tree.one_node("ShaderNodeVectorMath", operation="LENGTH", Vector=a), "Value"))
 
 
 def tangents(n: Value) -> tuple[Value, Value]:

@@ -9,14 +9,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..addon.models.glass import ABSORPTION
-from ._tree import maximum, output, vector
+from ._tree import maximum, output
 from .parameters import add_input
 
 if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = ".VGroove Absorption"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree) -> None:
@@ -24,6 +24,6 @@ def build(tree: Tree) -> None:
     with tree.frame("a = (1 - Color) Density"):
         r, g, b = a.xyz
         density = maximum(maximum(maximum(r, g), b), 1e-6)
-        color = 1.0 - a / vector(density, density, density)
+        color = 1.0 - a / density
     volume = tree.node("ShaderNodeVolumeAbsorption", Color=color, Density=density)
     tree.output_shader("Volume", output(volume, "Volume"), tip="To the material's Volume")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Anisotropic Corrected"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:

@@ -6,7 +6,7 @@ from math import pi
 from ._tree import Tree, cross, dot, exp, less, maximum
 
 NAME = ".VGroove Anisotropic D"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Anisotropic Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = ".VGroove Anisotropic EEVEE"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, *, radial: bool) -> None:
     inputs = anisotropic.interface(tree, kind, radial=radial)
     N = specular_normal(tree, inputs.normal)
     E = cook_torrance_albedo.albedo(tree, kind, inputs.round_from_here(tree, N), N)
-    cook_torrance_eevee.output_formula(tree, kind, inputs, N, E)
+    cook_torrance_eevee.output_formula(tree, kind, inputs, cook_torrance_eevee.seen(tree, inputs, N), E)

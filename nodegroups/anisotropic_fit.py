@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Anisotropic Fit"
-REVISION = 1
+REVISION = 2
 LEAST = 1e-5  # along B, for axes that are B itself, of which rounding leaves nothing
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Anisotropic Mirror"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int = 0, *, radial: bool) -> None:

@@ -8,6 +8,6 @@ from . import anisotropic
 from . import sum as plain
 
 NAME = "VGroove Anisotropic Sum"
-REVISION = 1
+REVISION = 2
 build = partial(plain.build, spec=MODEL)
 variant = anisotropic.with_radial(plain.variant)

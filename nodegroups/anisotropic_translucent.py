@@ -7,6 +7,6 @@ from ..addon.models.anisotropic_translucent import MODEL
 from . import anisotropic, translucent
 
 NAME = "VGroove Anisotropic Translucent"
-REVISION = 1
+REVISION = 2
 build = partial(translucent.build, spec=MODEL)
 variant = anisotropic.with_radial(translucent.variant)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = ".VGroove Ashikhmin Lobe"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:

@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING
 from ..addon.reference import ashikhmin_shirley_fit as fit
 from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import ensure
-from ._tree import Value, clamp, cross, dot, maximum, minimum, scale, sqrt
+from ._tree import Value, clamp, cross, dot, hold, maximum, minimum, scale, sqrt
 from .polynomial import horner2
 from .shading_normal import specular_normal
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from . import ashikhmin_shirley as model
     from ._tree import Number, Tree
 
 NAME = ".VGroove Ashikhmin Shape"
-REVISION = 1
+REVISION = 2
 LEAST = 1e-5  # along B, for axes that are B itself, of which rounding leaves nothing
 
 
@@ -57,6 +59,13 @@ def shape(tree: Tree, inputs: model.Inputs) -> Shape:
     return Shape(**{socket.name.lower(): Value(tree, socket) for socket in node.outputs})
 
 
+def _rows(names: Sequence[str]) -> list[list[tuple[float, float, float]]]:
+    """[j][k] of up to three functions, one component each; 0 in those that are none's."""
+    functions = [fit.table()[name].tolist() for name in names]
+    nothing = [[[0.0] * len(row) for row in functions[0]]] * (3 - len(functions))
+    return [list(zip(*rows, strict=True)) for rows in zip(*functions, *nothing, strict=True)]
+
+
 def build(tree: Tree) -> None:
     """In units of m_u m_v, the product of both slopes, so that float32 keeps the narrowest."""
     N, T = (tree.input_vector(name, (0, 0, 1), hide_value=True, tip="Unit vector") for name in ("N", "T"))
@@ -64,30 +73,31 @@ def build(tree: Tree) -> None:
         tree.input_float(name, 100.0, low=0.0, high=1e7, tip=f"Exponent {where}")
         for name, where in (("Along", "along the tangent"), ("Across", "across it"))
     )
-    wo, B, table = tree.geometry("Incoming"), cross(N, T), fit.table()
+    wo, B = tree.geometry("Incoming"), cross(N, T)
     with tree.frame("Slopes"):
         U = sqrt((n_v + 2.0) / (n_u + 2.0))
         V, unit = 1.0 / U, 2.0 / sqrt((n_u + 2.0) * (n_v + 2.0))
     with tree.frame("The view"):
         x, y, z = dot(T, wo), dot(B, wo), maximum(dot(N, wo), 1e-7)
-        d2 = maximum(U * x * x + V * y * y, 1e-14)
+        d2 = maximum(tree.fused(U * x, x, V * y * y), 1e-14)
         w = sqrt(unit * d2)
-        at, m = w / (w + z), minimum(sqrt(unit * (d2 + z * z)), 1.0)
+        at, m = w / (w + z), minimum(sqrt(unit * tree.fused(z, z, d2)), 1.0)
     with tree.frame("How it narrows, and what each closure sends"):
-        k, weight, more, flat, mean = (horner2(table[name].tolist(), at, m) for name in fit.NAMES)
-        k, weight = minimum(maximum(1.0 + at * k, 0.1), 1.0), maximum(1.0 + at * weight, 0.0)
+        first, second = (horner2(_rows(names), at, m).xyz for names in (fit.NAMES[:3], fit.NAMES[3:]))
+        k, weight, more, flat, mean, _ = *first, *second
+        k, weight = hold(tree.fused(at, k, 1.0), 0.1, 1.0), maximum(tree.fused(at, weight, 1.0), 0.0)
         fallen = 1.0 - minimum(z, 1.0)
-        rise, mean = fallen**5, clamp(fallen + m * mean) ** 5
-        more, flat = clamp(rise * (at * more)), clamp(1.0 + at * flat)
+        rise, mean = fallen**5, clamp(tree.fused(m, mean, fallen)) ** 5
+        more, flat = clamp(rise * (at * more)), clamp(tree.fused(at, flat, 1.0))
     with tree.frame("Squares of its slopes"):
         lost = (1.0 - k * k) / d2
         Ux, Vy = U * x, V * y
         xx, yy, xy = U - lost * Ux * Ux, V - lost * Vy * Vy, -1.0 * (lost * x * y)
         half = 0.5 * (xx - yy)
-        root = sqrt(half * half + xy * xy)
+        root = sqrt(tree.fused(half, half, xy * xy))
     with tree.frame("As Metallic BSDF takes it"):
         ratio = k / (0.5 * (xx + yy) + root)
-        anisotropy = minimum((1.0 - ratio) / (1.0 - NARROWEST), 1.0)
+        anisotropy = minimum(tree.fused(ratio, -1.0 / (1.0 - NARROWEST), 1.0 / (1.0 - NARROWEST)), 1.0)
         axis = scale(T, half + root) + scale(B, xy + LEAST)
     for name, value in {
         "Weight": weight, "More": more, "Flat": flat, "Rise": rise, "Mean": mean,

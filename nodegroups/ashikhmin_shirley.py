@@ -12,13 +12,14 @@ from math import cos, pi
 from typing import TYPE_CHECKING, Any
 
 from ..addon.models.anisotropic import RADIAL
-from ..addon.models.ashikhmin_shirley import MODEL, SHARPNESS
+from ..addon.models.ashikhmin_shirley import LAMBERT, MODEL, SHARPNESS
 from ..addon.reference import ashikhmin_shirley_fit as fit
 from ..addon.reference.cook_torrance_fit import NARROWEST
 from . import ashikhmin_lobe, ensure, fresnel, shading_normal, tangent
 from ._tree import Value, clamp, maximum
 from .osl_script import script as osl_script
 from .parameters import add_input
+from .polynomial import horner
 
 if TYPE_CHECKING:
     from bpy.types import Node
@@ -31,24 +32,31 @@ HEADER = "ashikhmin_shirley_fit.h"
 
 @dataclass(frozen=True)
 class Inputs:
-    """The artist's inputs: both colours, the exponent n, anisotropy, rotation in turns; tangent and normal as linked.
+    """The artist's inputs: three colours, the exponent n, anisotropy, rotation in turns; tangent and normal as linked.
 
-    radial: a tangent that is not linked is around the Z axis, even where there is a UV map.
+    kind: whose the diffuse part is. radial: a tangent that is not linked is around the Z axis, even where there is a UV
+    map.
     """
 
     albedo: Value
     specular: Value
+    amplitude: Value
     n: Value
     anisotropy: Value
     rotation: Value
     tangent: Value
     normal: Value
+    kind: str
     radial: bool
+
+    @property
+    def over_lambert(self) -> bool:
+        return self.kind == LAMBERT
 
     @cached_property
     def narrow(self) -> Value:
         """s^2: slopes are m / s along the tangent and m s across it."""
-        return 1.0 - (1.0 - NARROWEST) * self.anisotropy
+        return self.n.tree.fused(self.anisotropy, NARROWEST - 1.0, 1.0)
 
     @cached_property
     def exponents(self) -> tuple[Value, Value]:
@@ -65,19 +73,19 @@ class Inputs:
 
     @cached_property
     def deep(self) -> Value:
-        """Rd (1 - Rs)."""
-        return self.albedo * (1.0 - self.specular)
+        """Rd (1 - Rs), or over Lambert Rd."""
+        return self.albedo if self.over_lambert else self.albedo * (1.0 - self.specular)
 
     def turned_tangent(self, N: Value) -> Value:
         """The unit tangent at right angles to a normal."""
         return tangent.tangent(self.n.tree, self.tangent, N, self.rotation, radial=self.radial)
 
 
-def interface(tree: Tree, *, radial: bool) -> Inputs:
-    """Base Color; Specular Color; Roughness; Anisotropy; Rotation; Tangent; Normal. The same for every estimator."""
-    albedo, specular, n, anisotropy, rotation = (add_input(tree, one) for one in MODEL.parameters)
+def interface(tree: Tree, kind: str, *, radial: bool) -> Inputs:
+    """Base Color; Specular Color and Tint; Roughness; Anisotropy; Rotation; Tangent; Normal. Of every estimator."""
+    albedo, specular, amplitude, n, anisotropy, rotation = (add_input(tree, one) for one in MODEL.parameters)
     along, normal = tangent.interface(tree, radial=radial), shading_normal.interface(tree)
-    return Inputs(albedo, specular, n, anisotropy, rotation, along, normal, radial)
+    return Inputs(albedo, specular, amplitude, n, anisotropy, rotation, along, normal, kind, radial)
 
 
 def lobe(tree: Tree, inputs: Inputs, N: Value, T: Value, wi: Value) -> tuple[Value, Value]:
@@ -88,15 +96,24 @@ def lobe(tree: Tree, inputs: Inputs, N: Value, T: Value, wi: Value) -> tuple[Val
     return Value(tree, node.outputs["f cos"]), Value(tree, node.outputs["v.h"])
 
 
-def reflectance(tree: Tree, inputs: Inputs, vh: Value) -> Value:
+def reflectance(tree: Tree, specular: Value, vh: Value) -> Value:
     """F = Rs + (1 - Rs)(1 - v.h)^5."""
-    return fresnel.reflectance(tree, "schlick", {"f0": inputs.specular}, vh)
+    return fresnel.reflectance(tree, "schlick", {"f0": specular}, vh)
+
+
+def scattered(inputs: Inputs, enters: Value | float, ni: Value) -> Value | float:
+    """pi f of the diffuse part over ``deep``, with what enters toward the viewer: 28/23 a(n.l) a(n.v), or 1."""
+    return 1.0 if inputs.over_lambert else 28.0 / 23.0 * enters * entering(ni)
+
+
+def entered(inputs: Inputs, no: Value) -> Value | float:
+    """a(n.v), or over Lambert 1."""
+    return 1.0 if inputs.over_lambert else entering(no)
 
 
 def entering(cosine: Value) -> Value:
     """a(c) = 1 - (1 - c/2)^5."""
-    half = 0.5 * clamp(cosine)
-    return half * (5.0 - half * (10.0 - half * (10.0 - half * (5.0 - half))))
+    return horner((0.0, 5.0, -10.0, 10.0, -5.0, 1.0), 0.5 * clamp(cosine))
 
 
 def script(tree: Tree, estimator: str, inputs: Inputs, **more: Number) -> Node:
@@ -105,7 +122,10 @@ def script(tree: Tree, estimator: str, inputs: Inputs, **more: Number) -> Node:
     given = {one.name: getattr(inputs, "n" if one is SHARPNESS else one.name) for one in MODEL.parameters}
     unturned = tangent.tangent(tree, inputs.tangent, N, 0.0, radial=inputs.radial)
     name = f"ashikhmin_shirley_{estimator}"
-    return osl_script(tree, name, (name, {HEADER: header()}), **given, Tangent=unturned, Normal=inputs.normal, **more)
+    kind = list(MODEL.kinds).index(inputs.kind)
+    return osl_script(
+        tree, name, (name, {HEADER: header()}), kind=kind, **given, Tangent=unturned, Normal=inputs.normal, **more
+    )
 
 
 def header() -> str:
@@ -127,4 +147,4 @@ def toon_color() -> float:
 def variant(form: Form) -> tuple[str, dict[str, Any]]:
     """What the name of a preset's group says of its form, and what its builder has to know."""
     radial = RADIAL in form.flags
-    return "Radial" * radial, {"radial": radial}
+    return (MODEL.kinds[form.kind] + " Radial" * radial).strip(), {"kind": form.kind, "radial": radial}

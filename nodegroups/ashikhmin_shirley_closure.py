@@ -19,28 +19,35 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Ashikhmin-Shirley Closure"
-REVISION = 1
+REVISION = 2
 TIP = "To the material's Surface. Near the formula; toward grazing views it differs, the more the rougher it is"
 
 
-def build(tree: Tree, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build(tree: Tree, kind: str, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     diffuse = tree.node("ShaderNodeBsdfDiffuse", Color=entered(tree, inputs), Roughness=0.0, Normal=inputs.normal)
-    color = inputs.specular + (1.0 - inputs.specular) * ashikhmin_shape.shape(tree, inputs).mean
+    color = inputs.amplitude * even(inputs, ashikhmin_shape.shape(tree, inputs).mean)
     shaders = [output(diffuse, "BSDF"), glossy(tree, inputs, color)]
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip=TIP)
 
 
-def build_osl(tree: Tree, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build_osl(tree: Tree, kind: str, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     node = model.script(tree, "closure", inputs, mean=ashikhmin_shape.shape(tree, inputs).mean)
     tree.output_shader("BSDF", node.outputs[0], tip=TIP)
 
 
 def entered(tree: Tree, inputs: model.Inputs) -> Value:
-    """Rd (1 - Rs) a(n.v)."""
+    """Rd (1 - Rs) a(n.v), or over Lambert Rd."""
+    if inputs.over_lambert:
+        return inputs.deep
     facing = shading_normal(tree, inputs.normal)
     return inputs.deep * model.entering(dot(facing, tree.geometry("Incoming")))
+
+
+def even(inputs: model.Inputs, mean: Value) -> Value:
+    """The mean of F over the highlight, of that of (1 - v.h)^5."""
+    return inputs.specular + (1.0 - inputs.specular) * mean
 
 
 def glossy(tree: Tree, inputs: model.Inputs, color: Value) -> NodeSocket:

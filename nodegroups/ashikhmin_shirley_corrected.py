@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Ashikhmin-Shirley Corrected"
-REVISION = 1
+REVISION = 2
 
 
-def build(tree: Tree, lamps: int, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     beams = beam_interfaces(tree, lamps)
     of = ashikhmin_shape.shape(tree, inputs)
     shaders = [fit.shader(tree, inputs, of)]
@@ -35,8 +35,8 @@ def build(tree: Tree, lamps: int, *, radial: bool) -> None:
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 
-def build_osl(tree: Tree, lamps: int, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build_osl(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     beams = beam_interfaces(tree, lamps)
     shape = ashikhmin_shape.shape(tree, inputs).parameters
     shaders = [model.script(tree, "fit", inputs, **shape).outputs[0]]
@@ -50,14 +50,16 @@ def carried(tree: Tree, inputs: model.Inputs, of: ashikhmin_shape.Shape) -> dire
     color, f0, weight = fit.split(inputs, of)
     along = normalize(of.tangent)
     wide, narrow = of.slopes
-    enters = model.entering(dot(facing, wo))
+    enters = model.entered(inputs, dot(facing, wo))
     group = ensure(smith_lobe.NAME, smith_lobe.REVISION, smith_lobe.build)
 
-    def sent(wi: Value, f_cos: Value, vh: Value) -> tuple[Value, Value]:
+    def sent(wi: Value, f_cos: Value, vh: Value) -> tuple[Value, Value | float]:
         given = {"Normal": N, "Tangent": along, "Across": wide, "Within": narrow}
         node = tree.group(group, To_Light=wi, To_Viewer=wo, h=normalize(wi + wo), **given)
         lobe = weight * Value(tree, node.outputs["f cos"])
         mirrored = color * f_cos + fresnel.reflectance(tree, "schlick", {"f0": f0}, vh) * lobe
+        if inputs.over_lambert:
+            return mirrored, 1.0
         with tree.frame("Lambert and Toon, pi f"):
             ni = clamp(dot(facing, wi))
             even, smooth = of_reference.EDGES

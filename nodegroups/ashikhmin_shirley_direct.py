@@ -21,20 +21,20 @@ if TYPE_CHECKING:
 
     from ._tree import Number, Tree, Value
 
-    Carried = Callable[[Value, Value, Value], tuple[Value, Value]]
+    Carried = Callable[[Value, Value, Value], tuple[Value, Value | float]]
 
 NAME = "VGroove Ashikhmin-Shirley Direct"
-REVISION = 1
+REVISION = 2
 
 
-def build(tree: Tree, lamps: int, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     shader = emission(tree, inputs, beam_interfaces(tree, lamps))
     tree.output_shader("Emission", shader, tip="To the material's Surface")
 
 
-def build_osl(tree: Tree, lamps: int, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build_osl(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     shader = emission_osl(tree, inputs, beam_interfaces(tree, lamps))
     tree.output_shader("Emission", shader, tip="To the material's Surface")
 
@@ -46,18 +46,20 @@ def emission(tree: Tree, inputs: model.Inputs, beams: Beams, carried: Carried | 
     with F, and pi f of the diffuse part; the emission is then what they lack, negative where they send too much.
     """
     N, facing, wo = specular_normal(tree, inputs.normal), shading_normal(tree, inputs.normal), tree.geometry("Incoming")
-    T, enters = inputs.turned_tangent(N), model.entering(dot(facing, wo))
+    T, enters = inputs.turned_tangent(N), model.entered(inputs, dot(facing, wo))
     radiance: Value | int = 0
     for wi, irradiance in beams:
         f_cos, vh = model.lobe(tree, inputs, N, T, wi)
-        mirrored = model.reflectance(tree, inputs, vh) * f_cos
+        mirrored = inputs.amplitude * model.reflectance(tree, inputs.specular, vh) * f_cos
         ni = maximum(dot(facing, wi), 0.0)
-        scattered = 28.0 / 23.0 * enters * model.entering(ni)
+        scattered = model.scattered(inputs, enters, ni)
         if carried is not None:
             already, below = carried(wi, f_cos, vh)
             mirrored, scattered = mirrored - already, scattered - below
-        below_ni = inputs.deep * (scattered * ni * (1.0 / pi) * smoothing(tree, inputs.normal, wi))
-        radiance = radiance + irradiance * (mirrored * lit(tree, inputs.normal, wi) + below_ni)
+        sends = mirrored * lit(tree, inputs.normal, wi)
+        if scattered != 0.0:  # not of Lambert, which the closures have
+            sends = sends + inputs.deep * (scattered * ni * (1.0 / pi) * smoothing(tree, inputs.normal, wi))
+        radiance = radiance + irradiance * sends
     emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
     return output(emitted, "Emission")
 

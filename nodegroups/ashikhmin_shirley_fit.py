@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Ashikhmin-Shirley Fit"
-REVISION = 1
+REVISION = 2
 
 
-def build(tree: Tree, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build(tree: Tree, kind: str, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     shape = ashikhmin_shape.shape(tree, inputs)
     tree.output_shader("BSDF", shader(tree, inputs, shape), tip="To the material's Surface")
 
 
-def build_osl(tree: Tree, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build_osl(tree: Tree, kind: str, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     node = model.script(tree, "fit", inputs, **ashikhmin_shape.shape(tree, inputs).parameters)
     tree.output_shader("BSDF", node.outputs[0], tip="To the material's Surface")
 
@@ -43,24 +43,31 @@ def split(inputs: model.Inputs, of: ashikhmin_shape.Shape) -> tuple[Value, Value
     r, g, b = inputs.specular.rgb
     least, highest = minimum(minimum(r, g), b), maximum(maximum(r, g), b)
     most = maximum(1.0 - least, 1e-7)
-    share = of.rise / (of.rise + (fit.COLORED * (highest - least) + 1e-6))
-    added = of.mean + share * (of.more - of.mean)
-    color = inputs.specular - (inputs.specular - least) * (share * of.flat) + rest * added
-    return color, 1.0 - rest / most, most * share * of.weight
+    fused = rest.tree.fused
+    share = of.rise / (of.rise + fused(highest - least, fit.COLORED, 1e-6))
+    added = fused(share, of.more - of.mean, of.mean)
+    color = fused(rest, added, inputs.specular - (inputs.specular - least) * (share * of.flat))
+    red, green, blue = inputs.amplitude.rgb
+    dimmest = minimum(minimum(red, green), blue)
+    color = color * dimmest + (inputs.amplitude - dimmest) * closure.even(inputs, of.mean)
+    return color, 1.0 - rest / most, dimmest * most * share * of.weight
 
 
 def shader(tree: Tree, inputs: model.Inputs, of: ashikhmin_shape.Shape) -> NodeSocket:
     """All four closures. Metallic BSDF with a white edge has Schlick's F."""
     entered = closure.entered(tree, inputs)
     color, f0, weight = split(inputs, of)
-    lambert = tree.node("ShaderNodeBsdfDiffuse", Color=entered * fit.LAMBERT, Roughness=0.0, Normal=inputs.normal)
-    toon = tree.node(
-        "ShaderNodeBsdfToon", component="DIFFUSE", Color=entered * model.toon_color(), Size=fit.TOON_SIZE,
-        Smooth=fit.TOON_SMOOTH, Normal=inputs.normal,
-    )  # fmt: skip
+    evenly = entered if inputs.over_lambert else entered * fit.LAMBERT
+    below = [tree.node("ShaderNodeBsdfDiffuse", Color=evenly, Roughness=0.0, Normal=inputs.normal)]
+    if not inputs.over_lambert:
+        toon = tree.node(
+            "ShaderNodeBsdfToon", component="DIFFUSE", Color=entered * model.toon_color(), Size=fit.TOON_SIZE,
+            Smooth=fit.TOON_SMOOTH, Normal=inputs.normal,
+        )  # fmt: skip
+        below.append(toon)
     lobe = tree.node(
         "ShaderNodeBsdfMetallic", distribution="BECKMANN", fresnel_type="F82", Base_Color=f0, Edge_Tint=(1.0, 1.0, 1.0),
         Roughness=of.roughness, Anisotropy=of.anisotropy, Normal=inputs.normal, Tangent=of.tangent,
     )  # fmt: skip
-    shaders = [output(lambert, "BSDF"), output(toon, "BSDF"), closure.glossy(tree, inputs, color)]
+    shaders = [*(output(one, "BSDF") for one in below), closure.glossy(tree, inputs, color)]
     return tree.add_shaders([*shaders, tree.weighted(output(lobe, "BSDF"), weight)])

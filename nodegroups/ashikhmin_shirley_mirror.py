@@ -39,20 +39,20 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Ashikhmin-Shirley Mirror"
-REVISION = 1
+REVISION = 2
 
 
-def build(tree: Tree, lamps: int = 0, *, radial: bool) -> None:
+def build(tree: Tree, kind: str, lamps: int = 0, *, radial: bool) -> None:
     """With ``lamps``: those of zero size, which no ray can hit, are added by ``direct``; no light counts twice."""
-    inputs = model.interface(tree, radial=radial)
+    inputs = model.interface(tree, kind, radial=radial)
     beams = beam_interfaces(tree, lamps)
     shaders = [facet(tree, inputs), scattered(tree, inputs)]
     shaders += [direct.emission(tree, inputs, beams)] if beams else []
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 
 
-def build_osl(tree: Tree, lamps: int = 0, *, radial: bool) -> None:
-    inputs = model.interface(tree, radial=radial)
+def build_osl(tree: Tree, kind: str, lamps: int = 0, *, radial: bool) -> None:
+    inputs = model.interface(tree, kind, radial=radial)
     beams = beam_interfaces(tree, lamps)
     shaders = [model.script(tree, "mirror", inputs).outputs[0]]
     shaders += [direct.emission_osl(tree, inputs, beams)] if beams else []
@@ -78,7 +78,7 @@ def facet(tree: Tree, inputs: model.Inputs) -> NodeSocket:
         vh = clamp(dot(wo, h))
         wi = scale(h, 2.0 * vh) - wo
         share = minimum(maximum(dot(N, wi), 0.0) / maximum(dot(N, wo), 1e-7), 1.0)
-        weight = model.reflectance(tree, inputs, vh) * vector(share, share, share)
+        weight = inputs.amplitude * model.reflectance(tree, inputs.specular, vh) * vector(share, share, share)
     return _mirror(tree, weight, h)
 
 
@@ -92,7 +92,7 @@ def scattered(tree: Tree, inputs: model.Inputs) -> NodeSocket:
         cosine = sqrt(1.0 - u1)
         wi = scale(T, radius * cos(phi)) + scale(B, radius * sin(phi)) + scale(N, cosine)
     with tree.frame("Weight pi f"):
-        f = 28.0 / 23.0 * model.entering(dot(N, wo)) * model.entering(cosine) * smoothing(tree, inputs.normal, wi)
+        f = model.scattered(inputs, model.entered(inputs, dot(N, wo)), cosine) * smoothing(tree, inputs.normal, wi)
         return _mirror(tree, inputs.deep * f, normalize(wi + wo))
 
 

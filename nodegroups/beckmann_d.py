@@ -6,7 +6,7 @@ from math import pi
 from ._tree import Tree, dot, exp, less, maximum, scale
 
 NAME = ".VGroove Beckmann D"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Car Paint"
-REVISION = 7
+REVISION = 8
 
 
 def build(

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..addon.reference.cook_torrance_albedo import table
 from . import ensure, fresnel
-from ._tree import Tree, Value, clamp, dot, maximum, minimum, vector
+from ._tree import Tree, Value, clamp, dot, maximum, minimum
 from .cook_torrance_fit import grazing
 from .polynomial import horner2
 
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
     from . import cook_torrance
 
 NAME = ".VGroove Albedo Facets"
-REVISION = 1
+REVISION = 2
+KIND_NAME = ".VGroove Albedo"
+KIND_REVISION = 1
 
 
 def build(tree: Tree) -> None:
@@ -25,9 +28,8 @@ def build(tree: Tree) -> None:
     x, _ = grazing(tree, m, N)
     with tree.frame("Three facets by the table, one component each"):
         y, n = 2.0 * x - 1.0, 2.0 * m - 1.0
-        cosine, weight = (horner2(_rows(name), vector(y, y, y), vector(n, n, n)) for name in ("cosine", "weight"))
-        no = dot(N, tree.geometry("Incoming"))
-        cosine = minimum(maximum(vector(no, no, no) + m * cosine, 0.0), 1.0)
+        cosine, weight = (horner2(_rows(name), y, n) for name in ("cosine", "weight"))
+        cosine = clamp(dot(N, tree.geometry("Incoming")) + m * cosine)
     tree.output_vector("Cosine", cosine, tip="v.h of each facet")
     tree.output_vector("Weight", maximum(weight, 0.0), tip="Of each facet")
 
@@ -53,8 +55,17 @@ def albedo(tree: Tree, kind: str, inputs: cook_torrance.Inputs, N: Value) -> Val
 
     E = sum_j weight_j F(cosine_j) over three facets, fitted to the integral of f cos(theta_i) over the hemisphere.
     """
-    node = tree.group(ensure(NAME, REVISION, build), m=inputs.m, N=N)
+    group = ensure(f"{KIND_NAME} {kind.title()}", KIND_REVISION, partial(build_kind, kind=kind))
+    return Value(tree, tree.group(group, **fresnel.nested(inputs.fresnel, kind), m=inputs.m, N=N).outputs["E"])
+
+
+def build_kind(tree: Tree, kind: str) -> None:
+    terms = fresnel.held(tree, kind)
+    m = tree.input_float("m", 0.3, low=0.0, high=10.0, tip="RMS slope of the facets")
+    N = tree.input_vector("N", (0, 0, 1), hide_value=True, tip="Unit normal")
+    node = tree.group(ensure(NAME, REVISION, build), m=m, N=N)
     cosines, weights = (Value(tree, node.outputs[name]).xyz for name in ("Cosine", "Weight"))
     with tree.frame("Sum of weight F over three facets"):
-        F = [fresnel.reflectance(tree, kind, inputs.fresnel, cosine) for cosine in cosines]
-        return F[0] * weights[0] + F[1] * weights[1] + F[2] * weights[2]
+        F = [fresnel.reflectance(tree, kind, terms, cosine) for cosine in cosines]
+        E = F[0] * weights[0] + F[1] * weights[1] + F[2] * weights[2]
+    (tree.output_vector if E.is_vector else tree.output_float)("E", E, tip="Directional albedo, up to the fit's error")

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..addon.reference.fresnel import F82_COSINE
-from . import cook_torrance, fresnel
+from . import cook_torrance, ensure, fresnel
 from ._tree import Number, Tree, Value, output, sqrt
 from .versions import EXACT_CONDUCTOR
 
@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket
 
 NAME = "VGroove Cook-Torrance Closure"
-REVISION = 3
+F82_NAME = ".VGroove F82 of Dielectric"
+REVISION = 4
 
 
 def build(tree: Tree, kind: str) -> None:
@@ -53,11 +54,19 @@ def _f82(tree: Tree, metallic: Node, f0: Value, tint: Number) -> None:
 
 def _f82_of_dielectric(tree: Tree, eta: Value) -> tuple[Value, Value]:
     """Base colour and edge tint that make F82 exact head-on, at 82 degrees and grazing."""
+    node = tree.group(ensure(F82_NAME, 1, _build_f82_of_dielectric), IOR=eta)
+    f0, tint = (Value(tree, socket) for socket in node.outputs)
+    return f0, tint
+
+
+def _build_f82_of_dielectric(tree: Tree) -> None:
+    eta = fresnel.held(tree, "dielectric")["eta"]
     with tree.frame("F82 fitted to the exact dielectric"):
         f0 = ((eta - 1.0) / (eta + 1.0)) ** 2
         grazing = (1.0 - F82_COSINE) ** 5
         tint = fresnel.reflectance(tree, "dielectric", {"eta": eta}, F82_COSINE) / (f0 + (1.0 - f0) * grazing)
-    return f0, tint
+    tree.output_float("F0", f0, tip="Head-on")
+    tree.output_float("Edge Tint", tint, tip="At 82 degrees, over Schlick's")
 
 
 def build_osl(tree: Tree, kind: str) -> None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Cook-Torrance Corrected"
-REVISION = 5
+REVISION = 6
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Direct"
-REVISION = 3
+REVISION = 4
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:
@@ -68,6 +68,17 @@ def radiance(
     carried: Callable[[Value, Value], Value] | None = None,
 ) -> Value:  # fmt: skip
     """F D G / (4 (n.v)) E of one lamp, less what is ``carried``."""
+    f_cos, vh = lobe(tree, inputs, N, wi, carried)
+    with tree.frame("Times F"):
+        F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
+        return irradiance * F * f_cos
+
+
+def lobe(
+    tree: Tree, inputs: cook_torrance.Inputs, N: Value, wi: Value,
+    carried: Callable[[Value, Value], Value] | None = None,
+) -> tuple[Value, Value]:  # fmt: skip
+    """D G / (4 (n.v)) where view and light are above the surface, else 0, less what is ``carried``; and v.h."""
     wo = tree.geometry("Incoming")
     with tree.frame("Half vector and cosines"):
         both = wi + wo
@@ -82,6 +93,4 @@ def radiance(
         f_cos = inputs.density(tree, h, N) * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7))
     if carried is not None:
         f_cos = f_cos - carried(wi, h)
-    with tree.frame("Times F"):
-        F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
-        return irradiance * F * (f_cos * seen)
+    return f_cos * seen, vh

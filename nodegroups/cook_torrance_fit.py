@@ -8,10 +8,11 @@ alone is folded by Cycles into constants, unless m is textured.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..addon.reference.cook_torrance_fit import NARROWEST
-from . import cook_torrance, ensure, fit_table
+from . import cook_torrance, ensure, fit_table, fresnel
 from . import cook_torrance_closure as closure
 from ._tree import Tree, Value, cross, dot, length, maximum, minimum, scale, sqrt
 from .cook_torrance_table import share as of_share
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Cook-Torrance Fit"
-REVISION = 9
+REVISION = 10
+MIXTURE_NAME = ".VGroove Cook-Torrance Mixture"
+MIXTURE_REVISION = 1
 LOOK_UP_NAME = ".VGroove Fit Lobes"
 
 
@@ -41,7 +44,16 @@ def build_osl(tree: Tree, kind: str) -> None:
 
 def shader(tree: Tree, kind: str, inputs: cook_torrance.Inputs) -> NodeSocket:
     """The mixture about the normal, raised where it has to be."""
-    return raised(tree, inputs.normal, lambda N: mixture(tree, kind, inputs.fresnel, lobes(tree, inputs.m, N)))
+    group = ensure(f"{MIXTURE_NAME} {kind.title()}", MIXTURE_REVISION, partial(build_mixture, kind=kind))
+    given = fresnel.nested(inputs.fresnel, kind) | {"m": inputs.m}
+    return raised(tree, inputs.normal, lambda N: tree.group(group, **given, N=N).outputs["BSDF"])
+
+
+def build_mixture(tree: Tree, kind: str) -> None:
+    terms = fresnel.held(tree, kind)
+    m = tree.input_float("m", 0.3, low=1e-4, high=10.0, tip="RMS slope of the facets")
+    N = tree.input_vector("N", (0, 0, 1), hide_value=True, tip="Unit normal")
+    tree.output_shader("BSDF", mixture(tree, kind, terms, lobes(tree, m, N)), tip="About this normal")
 
 
 def mixture(tree: Tree, kind: str, fresnel: dict[str, Value], of: Sequence[Lobe]) -> NodeSocket:

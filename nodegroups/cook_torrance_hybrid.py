@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Cook-Torrance Hybrid"
-REVISION = 7
+REVISION = 8
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:

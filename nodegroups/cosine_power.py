@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = ".VGroove Cosine Power"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:

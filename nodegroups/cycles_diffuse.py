@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 NAME = ".VGroove Cycles Diffuse"
-REVISION = 2
+REVISION = 3
 A = 1.0 / (pi + GRAZING_LOSS)
 
 

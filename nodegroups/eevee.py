@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket
 
 OUTPUT = "EEVEE"
-REVISION = 1
+LIGHTS_NAME, SHARE_NAME = ".VGroove EEVEE Lights", ".VGroove EEVEE Share"
+REVISION = 2
 WORLD_NAME = ".VGroove EEVEE World"
 FORMULA, SHARE = "BSDF", "Share of EEVEE"  # outputs of a formula's group
 WIDEST = 0.5  # slope m from which EEVEE's map of the world is as blurred as it gets
@@ -60,6 +61,18 @@ def output_formula(tree: Tree, seen: Value, alpha: Value, **added: Value) -> Non
     seen: the world's light. added: what a light adds to what that holds of it, over its radiance, as ``Diffuse`` or
     ``Glossy``. alpha: 1 in EEVEE.
     """
+    node = tree.group(ensure(LIGHTS_NAME, REVISION, build_lights), Seen=seen, **added)
+    tree.output_shader(FORMULA, node.outputs[FORMULA], tip="The formula at lights, and the world")
+    tree.output_float(SHARE, by_formula(tree, alpha), tip="1 where EEVEE shows the formula, else 0")
+
+
+def build_lights(tree: Tree) -> None:
+    black = (0.0, 0.0, 0.0)
+    seen = tree.input_color("Seen", black, tip="The world's light")
+    added = {
+        name: tree.input_vector(name, black, tip="What a light adds, over its radiance")
+        for name in ("Diffuse", "Glossy")
+    }
     with tree.frame("Radiance of the light"):
         info, shadow = tree.node("ShaderNodeLightInfo"), tree.node("ShaderNodeShadowRaycast")
         power = Value(tree, output(info, "Power")) * Value(tree, output(_evaluation(tree), "Mask"))
@@ -68,7 +81,6 @@ def output_formula(tree: Tree, seen: Value, alpha: Value, **added: Value) -> Non
         at_lights = output(tree.node("ShaderNodeLightAccumulation", **lights), "Shader")
     # A colour that is linked to a shader is its emission; where there is an Emission node, glTF exports one.
     tree.output_shader(FORMULA, tree.add_shaders([at_lights, seen.socket]), tip="The formula at lights, and the world")
-    tree.output_float(SHARE, by_formula(tree, alpha), tip="1 where EEVEE shows the formula, else 0")
 
 
 def is_formula(node: Node) -> bool:
@@ -78,12 +90,18 @@ def is_formula(node: Node) -> bool:
 
 def by_formula(tree: Tree, alpha: Value) -> Value:
     """1 in the camera's view in EEVEE without raytracing, else 0."""
+    node = tree.group(ensure(SHARE_NAME, REVISION, build_share), Alpha=alpha)
+    node.inputs["Alpha"].default_value = 0.0  # what Cycles reads, where nothing gives alpha
+    return Value(tree, node.outputs["Share"])
+
+
+def build_share(tree: Tree) -> None:
+    alpha = tree.input_float("Alpha", 0.0, low=0.0, high=1.0, tip="1 in EEVEE, 0 in Cycles")
     with tree.frame("The camera's view in EEVEE without raytracing"):
         traced = tree.node("ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name="eevee.use_raytracing")
         camera = Value(tree, output(tree.node("ShaderNodeLightPath"), "Is Camera Ray"))
         share = alpha * (camera * (1.0 - Value(tree, output(traced, "Fac"))))
-        share.socket.node.inputs[0].default_value = 0.0  # what Cycles reads, where nothing gives alpha
-    return share
+    tree.output_float("Share", share, tip="1 where EEVEE shows the formula, else 0")
 
 
 def by_closures(tree: Tree, share: Value) -> Value:
@@ -106,15 +124,12 @@ def received(tree: Tree, wi: Value) -> Value:
 
 def factor(tree: Tree, N: Value, roughness: Value | None = None) -> Value:
     """What EEVEE's own closure about N shows of the light, over its radiance: a white diffuse one, or a glossy one."""
-    node = _evaluation(tree) if roughness is None else tree.node("ShaderNodeLightEvaluation", mode="GLOSSY")
-    tree.wire(node, "Normal", N)
-    if roughness is not None:
-        tree.wire(node, "Roughness", roughness)
-    return Value(tree, output(node, "Factor"))
+    given = {"mode": "DIFFUSE"} if roughness is None else {"mode": "GLOSSY", "Roughness": roughness}
+    return Value(tree, output(tree.one_node("ShaderNodeLightEvaluation", **given, Normal=N), "Factor"))
 
 
 def _evaluation(tree: Tree) -> Node:
-    return tree.node("ShaderNodeLightEvaluation", mode="DIFFUSE")
+    return tree.one_node("ShaderNodeLightEvaluation", mode="DIFFUSE")
 
 
 def radiance(tree: Tree, closure: NodeSocket) -> tuple[Value, Value]:

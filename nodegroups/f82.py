@@ -11,7 +11,7 @@ from ._tree import Tree, Value, clamp, maximum
 from .parameters import add_input
 
 NAME = ".VGroove F82"
-REVISION = 3
+REVISION = 4
 
 
 def interface(tree: Tree) -> dict[str, Value]:

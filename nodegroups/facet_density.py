@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 NAME = ".VGroove Facet Density"
 BINS_NAME, POINTS_NAME = "VGroove Facet Bins", "VGroove Facet Points"
-REVISION = 1
+REVISION = 2
 HEADER = "facet_distribution.h"
 LOWEST_COSINE = 1e-4  # 1/cos^4 must not overflow
 
@@ -66,10 +66,11 @@ def _term(tree: Tree, of: Term, scaled: float, sin2: Value, c: Value) -> Value:
     if of.kind == POINTS:
         last = len(of.numbers) - 1
         angle = tree.math("ARCTAN2", sqrt(sin2), c)
-        x = sqrt(angle * (2.0 / pi))
-        place = (x * float(last) + 0.5) / float(last + 1)
-        pixels = np.array([[[number * scaled] * 3 + [1.0] for number in of.numbers]])
-        return _texel(tree, _image(POINTS_NAME, pixels), place, "Linear").rgb[0]
+        place = sqrt(angle * (2.0 / pi)) * float(last)
+        k = tree.math("MINIMUM", tree.math("FLOOR", place), last - 1.0)
+        image = _image(POINTS_NAME, np.array([[[number * scaled] * 3 + [1.0] for number in of.numbers]]))
+        low, high = (_texel(tree, image, (k + (0.5 + step)) * (1.0 / (last + 1))).rgb[0] for step in (0, 1))
+        return low + (place - k) * (high - low)
     if of.kind == "abc":
         B, C = of.numbers
         return scaled * exp(-C * _log1p(B * sin2 / (1.0 + c)))
@@ -97,14 +98,15 @@ def drawn(tree: Tree, of: Distribution, u: Value) -> tuple[Value, Value]:
     with tree.frame("A bin, and a place in it"):
         place = u * float(BINS)
         k = tree.math("MINIMUM", tree.math("FLOOR", place), BINS - 1.0)
-        texel = _texel(tree, _image(BINS_NAME, pixels), (k + 0.5) * (1.0 / BINS), "Closest")
+        texel = _texel(tree, _image(BINS_NAME, pixels), (k + 0.5) * (1.0 / BINS))
         start, wide, D = texel.rgb
         return tree.math("MULTIPLY_ADD", place - k, wide, start), D
 
 
-def _texel(tree: Tree, image: bpy.types.Image, place: Value, interpolation: str) -> Value:
+def _texel(tree: Tree, image: bpy.types.Image, place: Value) -> Value:
+    """Not interpolated, as EEVEE would blur it by mipmaps where ``place`` differs from pixel to pixel."""
     at = vector(place, 0.5, 0.0)
-    node = tree.node("ShaderNodeTexImage", image=image, interpolation=interpolation, extension="EXTEND", Vector=at)
+    node = tree.node("ShaderNodeTexImage", image=image, interpolation="Closest", extension="EXTEND", Vector=at)
     return Value(tree, output(node, "Color"))
 
 

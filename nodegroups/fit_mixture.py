@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ._tree import Number
 
 NAME = ".VGroove Fit Mixture"
-REVISION = 4
+REVISION = 5
 
 
 def build(tree: Tree) -> None:

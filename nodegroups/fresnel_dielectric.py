@@ -6,7 +6,7 @@ from ._tree import Tree, Value, clamp, maximum, sqrt
 from .parameters import add_input
 
 NAME = ".VGroove Fresnel Dielectric"
-REVISION = 2
+REVISION = 3
 
 
 def interface(tree: Tree) -> dict[str, Value]:

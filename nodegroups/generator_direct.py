@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Generator Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, of: Distribution, lamps: int) -> None:
@@ -43,16 +43,8 @@ def emission(
     N, facing, wo = specular_normal(tree, inputs.normal), shading_normal(tree, inputs.normal), tree.geometry("Incoming")
     radiance: Value | int = 0
     for wi, irradiance in beams:
-        with tree.frame("Half vector and cosines"):
-            both = wi + wo
-            h, vh = normalize(both), 0.5 * length(both)  # dot(wo, h) would lose a hundredfold at grazing angles
-            sin2, nh = facet_density.sin2_and_cos(h, N)
-            no, ni = dot(N, wo), dot(N, wi)
-            seen = greater(ni, 0.0) * greater(no, 0.0) * lit(tree, inputs.normal, wi)
-        group = ensure(vgroove_g.NAME, vgroove_g.REVISION, vgroove_g.build)
-        G = tree.group(group, **{"n.h": nh, "n.v": no, "n.l": ni, "v.h": vh})
-        D = facet_density.density(tree, of, sin2, nh)
-        f_cos = D * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7))
+        f_cos, vh = mirrored(tree, of, N, wi, wo)
+        seen = greater(dot(N, wi), 0.0) * greater(dot(N, wo), 0.0) * lit(tree, inputs.normal, wi)
         F = fresnel.reflectance(tree, kind, inputs.fresnel, vh)
         sends = inputs.specular * F * (f_cos * seen)
         if diffuse:
@@ -61,6 +53,19 @@ def emission(
         radiance = radiance + irradiance * sends
     emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
     return output(emitted, "Emission")
+
+
+def mirrored(tree: Tree, of: Distribution, N: Value, wi: Value, wo: Value) -> tuple[Value, Value]:
+    """f cos of the lobe with F = 1, D G / (4 (n.v)), and v.h, without asking whether both are above."""
+    with tree.frame("Half vector and cosines"):
+        both = wi + wo
+        h, vh = normalize(both), 0.5 * length(both)  # dot(wo, h) would lose a hundredfold at grazing angles
+        sin2, nh = facet_density.sin2_and_cos(h, N)
+        no, ni = dot(N, wo), dot(N, wi)
+    group = ensure(vgroove_g.NAME, vgroove_g.REVISION, vgroove_g.build)
+    G = tree.group(group, **{"n.h": nh, "n.v": no, "n.l": ni, "v.h": vh})
+    D = facet_density.density(tree, of, sin2, nh)
+    return D * Value(tree, G.outputs["G"]) / (4.0 * maximum(no, 1e-7)), vh
 
 
 def emission_osl(

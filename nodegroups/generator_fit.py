@@ -13,7 +13,7 @@ from ..addon.reference.generator_fit import HIGHEST, LOWEST, beckmann_terms
 from . import cook_torrance, ensure, fresnel, generator, shading_normal
 from . import cook_torrance_closure as native
 from . import cook_torrance_fit as fit
-from ._tree import Value, maximum, minimum, output, sqrt, vector
+from ._tree import Value, maximum, minimum, output, sqrt
 from .shading_normal import typical_smoothing
 
 if TYPE_CHECKING:
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Generator Fit"
-REVISION = 1
+REVISION = 2
 LOBE_NAME = ".VGroove Generator Fit Lobe"
-LOBE_REVISION = 1
+LOBE_REVISION = 2
 TIP = "To the material's Surface"
 
 
@@ -82,7 +82,7 @@ def native_fresnel(tree: Tree, kind: str, inputs: generator.Inputs) -> tuple[Val
     with tree.frame("Specular Color times F: a weight, and F82 that is equal head-on and at 82 degrees"):
         red, green, blue = inputs.specular.rgb
         share = maximum(maximum(red, green), blue)
-        color = inputs.specular / vector(*[maximum(share, 1e-9)] * 3)
+        color = inputs.specular / maximum(share, 1e-9)
         f0, edge = (color * fresnel.reflectance(tree, kind, inputs.fresnel, at) for at in (1.0, F82_COSINE))
         grazing = (1.0 - F82_COSINE) ** 5
         tint = minimum(edge / (f0 * (1.0 - grazing) + grazing), 1.0)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..addon.models.glass import ABBE, MODEL, TINT
 from . import fresnel, osl_script, shading_normal
-from ._tree import Value, clamp, dot, output, select, vector
+from ._tree import Value, clamp, dot, output, select
 from .parameters import add_input
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def split(tree: Tree, h: Value, R: Value, T: Value, inputs: Inputs, *, thin: boo
     """A perfect mirror about ``h`` of weight R beside perfect refraction, or no bending if ``thin``, of weight T."""
     smooth = {"Roughness": 0.0, "Normal": h, "distribution": "BECKMANN"}
     mirror = tree.node("ShaderNodeBsdfAnisotropic", Color=R, **smooth)
-    through = inputs.tint * vector(T, T, T)
+    through = inputs.tint * T
     if thin:
         ahead = tree.node("ShaderNodeBsdfTransparent", Color=through)
     else:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Glass Closure"
-REVISION = 3
+REVISION = 4
 # Blender's Glass BSDF has one colour for both lobes; only a smooth interface, a sheet and OSL keep them apart.
 TINT_TIP = "Multiplies what passes; on rough glass as nodes also what is reflected"
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Glass Mirror"
-REVISION = 5
+REVISION = 6
 
 
 def build(tree: Tree, *, thin: bool = False, smooth: bool = False, disperses: bool = False) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = ".VGroove Bounces"
-REVISION = 1
+REVISION = 2
 
 
 def pixels() -> np.ndarray:

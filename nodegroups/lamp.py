@@ -49,7 +49,7 @@ from .random_numbers import random_numbers, stream
 if TYPE_CHECKING:
     from bpy.types import Node
 
-REVISION = 4
+REVISION = 5
 AREAS = ("RECTANGLE", "ELLIPSE")
 KINDS = ("SUN", "POINT", "SPOT", *AREAS)
 RIG = "vgroove_lights"  # custom property of a scene that tells of its lights (addon/blender/lamps.py)

@@ -21,14 +21,18 @@ from . import REVISION_KEY
 from ._tree import Value, cross, dot, length, maximum, minimum, normalize, output, scale, sqrt, vector
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from ..addon.measured.model import Measured
     from ..addon.models import Form
     from ._tree import Number, Tree
 
-IMAGE_NAME, REVISION = "VGroove Measured", 1
+IMAGE_NAME, REVISION = "VGroove Measured", 2
 LARGEST_HALF = 65504.0
+SPACE = "Linear Rec.709"  # of tables: Blender converts images to the working space of whatever file they are in
+LAMBERT, BESIDE, LOBE = range(3)  # the texels of ``colour``
 
 
 def variant(form: Form) -> tuple[str, dict[str, Any]]:
@@ -40,16 +44,30 @@ def variant(form: Form) -> tuple[str, dict[str, Any]]:
 def image(of: Measured, kind: str) -> bpy.types.Image:
     """The table, packed: one for the same table in a .blend. 16 bits a value where ``kind`` and the values let it."""
     half = kind == "half" and float(np.max(of.table.table)) <= LARGEST_HALF
-    title = f"{IMAGE_NAME} {of.digest}" + " Float" * (not half)
+    return _packed(f"{IMAGE_NAME} {of.digest}" + " Float" * (not half), lambda: atlas(of.table), half=half)
+
+
+def colour(tree: Tree, of: Measured, which: int) -> Value:
+    """A colour of the table as a texel, for the working space's sake: ``LAMBERT``, or of ``Measured.closure``.
+
+    Of the part that is Lambert, and of the two of ``closure``, whose diffuse one is ``BESIDE`` the peak.
+    """
+    texels = _packed(f"{IMAGE_NAME} {of.digest} Colors", lambda: np.array([[of.albedo, *of.closure[:2]]]), half=False)
+    place: Number = Value(tree, output(tree.node("ShaderNodeCombineXYZ", X=(which + 0.5) / 3.0, Y=0.5), "Vector"))
+    node = tree.node("ShaderNodeTexImage", image=texels, interpolation="Closest", extension="EXTEND", Vector=place)
+    return Value(tree, output(node, "Color"))
+
+
+def _packed(title: str, pixels: Callable[[], NDArray[np.float64]], *, half: bool) -> bpy.types.Image:
     for known in bpy.data.images:
         if known.name.split(".")[0] == title and known.get(REVISION_KEY) == REVISION and known.library is None:
             return known
     with tempfile.TemporaryDirectory(prefix="vgroove-") as folder:
         path = Path(folder) / "table.exr"
-        _write(path, atlas(of.table), half=half)
+        _write(path, pixels(), half=half)
         made = bpy.data.images.load(str(path))
         made.name = title
-        made.colorspace_settings.name = "Non-Color"
+        made.colorspace_settings.name = SPACE
         made.alpha_mode = "CHANNEL_PACKED"
         made.pack()
     made.filepath_raw = made.packed_files[0].filepath = ""  # no update: it would look for the file that is gone

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import shading_normal
+from . import measured, shading_normal
 from ._tree import output
 
 if TYPE_CHECKING:
@@ -13,16 +13,15 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Measured Closure"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, of: Measured, kind: str) -> None:  # noqa: ARG001 (as of the others)
     normal = shading_normal.interface(tree)
-    albedo, color, m = of.closure
-    diffuse = tree.node("ShaderNodeBsdfDiffuse", Roughness=0.0, Normal=normal)
-    lobe = tree.node("ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Roughness=m**0.5, Normal=normal)
-    for node, rgb in ((diffuse, albedo), (lobe, color)):
-        node.inputs["Color"].default_value = (*rgb, 1.0)
+    *_, m = of.closure
+    beside, color = (measured.colour(tree, of, which) for which in (measured.BESIDE, measured.LOBE))
+    diffuse = tree.node("ShaderNodeBsdfDiffuse", Color=beside, Roughness=0.0, Normal=normal)
+    lobe = tree.node("ShaderNodeBsdfAnisotropic", distribution="BECKMANN", Color=color, Roughness=m**0.5, Normal=normal)
     shaders = [output(one, "BSDF") for one in (diffuse, lobe)]
     tree.output_shader("BSDF", tree.add_shaders(shaders), tip="To the material's Surface")
 

@@ -6,8 +6,6 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from . import measured, shading_normal
 from ._tree import Value, dot, greater, maximum, output
 from .lamp_beams import Beams, beam_interfaces
@@ -19,7 +17,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Measured Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, of: Measured, kind: str, lamps: int) -> None:
@@ -37,18 +35,13 @@ def emission(
     """The radiance of all lamps. diffuse: whether Lambert is sent, too."""
     N, wo = shading_normal.specular_normal(tree, normal), tree.geometry("Incoming")
     radiance: Value | int = 0
+    lambert = None if diffuse else measured.colour(tree, of, measured.LAMBERT) * (1.0 / pi)
     for wi, irradiance in beams:
         f = measured.reflectance(tree, of, texture, N, wi, wo)
-        if not diffuse:
-            f = maximum(f - lambert(of), 0.0)
+        if lambert is not None:
+            f = maximum(f - lambert, 0.0)
         ni = maximum(dot(N, wi), 0.0)
         seen = greater(dot(N, wo), 0.0) * shading_normal.lit(tree, normal, wi)
         radiance = radiance + irradiance * f * (ni * seen)
     emitted = tree.node("ShaderNodeEmission", Color=radiance if beams else (0.0, 0.0, 0.0))
     return output(emitted, "Emission")
-
-
-def lambert(of: Measured) -> tuple[float, float, float]:
-    """f of the part that is Lambert, in 1/sr."""
-    r, g, b = (np.asarray(of.albedo) / pi).tolist()
-    return r, g, b

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ._tree import Number
 
 NAME = ".VGroove Oren-Nayar"
-REVISION = 3
+REVISION = 4
 LABELS = MODEL.kinds
 KINDS = tuple(LABELS)
 

@@ -17,11 +17,11 @@ from __future__ import annotations
 
 from ..addon.reference import cycles
 from . import oren_nayar
-from ._tree import Tree, Value, less, minimum, output, select
+from ._tree import Tree, Value, greater, minimum, output
 from .oren_nayar_table import LAMBERT, table
 
 NAME = "VGroove Oren-Nayar Closure"
-REVISION = 4
+REVISION = 5
 TIP = "To the material's Surface. Cycles' own model: off by up to {} at a Roughness of 0.65, {} at 1"
 OFF = {
     cycles.UNTIL_5_2: {"full": ("16 %", "39 %"), "qualitative": ("30 %", "68 %")},
@@ -48,4 +48,4 @@ def roughness(kind: str, sigma: Value) -> Value:
     with sigma.tree.frame("Roughness k s2/(s2 + c), 0 where Cycles would divide by 0"):
         s2 = sigma * sigma
         found = minimum(k * s2 / (s2 + c), 1.0)
-        return select(less(found, LAMBERT), 0.0, found)
+        return found * greater(found, LAMBERT)

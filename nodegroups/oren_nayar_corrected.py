@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Oren-Nayar Corrected"
-REVISION = 4
+REVISION = 5
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Oren-Nayar Direct"
-REVISION = 3
+REVISION = 4
 
 
 def build(tree: Tree, kind: str, lamps: int) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = ".VGroove Oren-Nayar EEVEE"
-REVISION = 1
+REVISION = 2
 FORWARD = 0.86  # the formula's C2 tan(b) away from the viewer is at most about this times sin^2 of the view's angle
 
 

@@ -18,7 +18,7 @@ from ..addon.reference.cycles import oren_nayar_power
 from . import oren_nayar
 from ._tree import Tree, Value, dot, maximum, minimum, output, sqrt
 from .oren_nayar_table import MEAN, table
-from .polynomial import horner
+from .polynomial import polynomial
 from .polynomial import share as share_by_table
 from .shading_normal import average_smoothing, shading_normal
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from bpy.types import NodeSocket
 
 NAME = "VGroove Oren-Nayar Fit"
-REVISION = 4
+REVISION = 5
 TIP = "To the material's Surface. Differs from the model by up to {}, from 80 degrees of view {}"
 OFF = {"full": ("6 %", "10 %"), "qualitative": ("10 %", "11 %")}
 
@@ -66,11 +66,7 @@ def weights(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[Value, Va
 
     What depends on sigma alone is folded into constants by Cycles where Roughness is not linked.
     """
-    of = table(kind)
-    x = half_tangent(tree, shading_normal(tree, inputs.normal))
-    with tree.frame("The polynomials of the table, all at once"):
-        at_once = horner(list(zip(of.albedo, of.retro, of.native, strict=True)), x)
-        of_albedo, of_retro, single = at_once.rgb
+    of_albedo, of_retro, single = _of_view(tree, kind, inputs)
     energy, facing = _energy(tree, kind, inputs, of_albedo)
     rho = inputs.albedo
     with tree.frame("Retro-reflection, and what albedo it has"):
@@ -79,6 +75,13 @@ def weights(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[Value, Va
         again = retro ** oren_nayar_power() * lost / tree.math("MULTIPLY_ADD", retro, MEAN - 1.0, 1.0)
         lambert = maximum(energy - tree.math("MULTIPLY_ADD", retro, single, again), 0.0)
     return lambert, retro
+
+
+def _of_view(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> tuple[Value, Value, Value]:
+    """What the table has of the view: for the 1994 model's albedo, for retro-reflection, and Cycles' albedo."""
+    of, x = table(kind), half_tangent(tree, shading_normal(tree, inputs.normal))
+    with tree.frame("The polynomials of the table, all at once"):
+        return polynomial(list(zip(of.albedo, of.retro, of.native, strict=True)), x).rgb
 
 
 def _energy(tree: Tree, kind: str, inputs: oren_nayar.Inputs, of_albedo: Value) -> tuple[Value, Value]:
@@ -94,10 +97,7 @@ def _energy(tree: Tree, kind: str, inputs: oren_nayar.Inputs, of_albedo: Value) 
 
 def albedo(tree: Tree, kind: str, inputs: oren_nayar.Inputs) -> Value:
     """The 1994 model's directional albedo E(wo), RGB."""
-    x = half_tangent(tree, shading_normal(tree, inputs.normal))
-    with tree.frame("The table's polynomial"):
-        of_albedo = horner(table(kind).albedo, x)
-    return _energy(tree, kind, inputs, of_albedo)[0]
+    return _energy(tree, kind, inputs, _of_view(tree, kind, inputs)[0])[0]
 
 
 def half_tangent(tree: Tree, N: Value) -> Value:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Oren-Nayar Hybrid"
-REVISION = 6
+REVISION = 7
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:

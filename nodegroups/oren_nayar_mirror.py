@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ._tree import Value
 
 NAME = "VGroove Oren-Nayar Mirror"
-REVISION = 5
+REVISION = 6
 
 
 def build(tree: Tree, kind: str, lamps: int = 0) -> None:

@@ -20,17 +20,19 @@ if TYPE_CHECKING:
 TO_INPUT = "vgroove_to_input"  # custom property of a group that turns a parameter into what its input takes
 
 
-def add_input(tree: Tree, of: Parameter, *, native: bool = False, prefix: str = "", tip: str = "") -> Value:
+def add_input(
+    tree: Tree, of: Parameter, *, native: bool = False, prefix: str = "", tip: str = "", held: bool = True
+) -> Value:
     """A parameter, of the artist's input for it, held to its range; ``native``: to what Cycles' closures take."""
     name, tip = prefix + of.label, tip or of.tip
     if isinstance(of.default, float):
         default, (low, high) = of.scale.to_input(of.default), _ends(of, native=native)
         return of.scale.of_input(
-            tree.input_float(name, default, low=low, high=high, subtype=of.subtype, tip=tip, held=True)
+            tree.input_float(name, default, low=low, high=high, subtype=of.subtype, tip=tip, held=held)
         )
     if of.socket == "Color":
-        return tree.input_color(name, of.default, tip=tip, high=max(of.high, 1.0), held=True)  # a texture may be white
-    return tree.input_vector(name, of.default, low=of.low, high=of.high, tip=tip, held=True)
+        return tree.input_color(name, of.default, tip=tip, high=max(of.high, 1.0), held=held)  # a texture may be white
+    return tree.input_vector(name, of.default, low=of.low, high=of.high, tip=tip, held=held)
 
 
 def existing_input(tree: Tree, of: Parameter, names: Mapping[str, str]) -> Value:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Phong Closure"
-REVISION = 1
+REVISION = 2
 TIP = "To the material's Surface. Near the formula; toward grazing views it differs the more, the rougher it is"
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Phong Corrected"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, of: phong.Lobe, lamps: int) -> None:

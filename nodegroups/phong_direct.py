@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Phong Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, of: phong.Lobe, lamps: int) -> None:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = ".VGroove Phong EEVEE"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, of: phong.Lobe) -> None:

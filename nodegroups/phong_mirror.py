@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Phong Mirror"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, of: phong.Lobe, lamps: int = 0) -> None:

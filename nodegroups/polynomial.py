@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import log
 from typing import TYPE_CHECKING
 
@@ -11,9 +12,12 @@ from ..addon.reference.hybrid import BOUNDS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ._tree import Number, Value
+    from ._tree import Number, Tree, Value
 
     Row = Sequence[Number]
+
+REVISION = 1
+NESTED = 4  # coefficients from which a nested group takes less of a file than the nodes that it holds
 
 
 def horner(coefficients: Row, x: Value) -> Value:
@@ -25,9 +29,31 @@ def horner(coefficients: Row, x: Value) -> Value:
     return result
 
 
+def polynomial(coefficients: Row, x: Value) -> Value:
+    """``horner``, of many coefficients through a nested group, which a file has once for each number of them."""
+    if len(coefficients) < NESTED:
+        return horner(coefficients, x)
+    vector = any(isinstance(one, tuple) or getattr(one, "is_vector", False) for one in (x, *coefficients))
+    degree = len(coefficients) - 1
+    given = {f"c{k}": number for k, number in enumerate(coefficients)}
+    name, build_group = f"Polynomial {degree}{' Vector' * vector}", partial(build, degree=degree, vector=vector)
+    return x.tree.nested_value(name, REVISION, build_group, x=x, **given)
+
+
+def build(tree: Tree, degree: int, *, vector: bool) -> None:
+    def number(name: str, tip: str) -> Value:
+        if vector:
+            return tree.input_vector(name, tip=tip)
+        return tree.input_float(name, 0.0, low=-1e30, high=1e30, tip=tip)
+
+    x, *coefficients = number("x", "Variable"), *(number(f"c{k}", f"Of x^{k}") for k in range(degree + 1))
+    give = tree.output_vector if vector else tree.output_float
+    give("Sum", horner(coefficients, x), tip="By Horner's rule")
+
+
 def horner2(rows: Sequence[Row], y: Value, n: Value) -> Value:
     """Sum of c_jk y^j n^k; what depends on n alone comes first, for Cycles to fold it where n is constant."""
-    return horner([horner(row, n) for row in rows], y)
+    return horner([polynomial(row, n) for row in rows], y)
 
 
 def share(rows: Sequence[Sequence[Row]], y: Value, n: Value, bound: Value) -> Value:
@@ -36,7 +62,7 @@ def share(rows: Sequence[Sequence[Row]], y: Value, n: Value, bound: Value) -> Va
 
     line, start = bound_line()
     b = line * log(bound) + start
-    return clamp(horner([horner([horner(powers, b) for powers in row], n) for row in rows], y))
+    return clamp(horner([polynomial([horner(powers, b) for powers in row], n) for row in rows], y))
 
 
 def bound_line() -> tuple[float, float]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import bpy
 
 NAME = ".VGroove Ramp"
-REVISION = 1
+REVISION = 2
 NARROWEST = 1e-30  # so that a ramp whose ages coincide is a step
 
 

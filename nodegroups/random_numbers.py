@@ -18,7 +18,7 @@ from . import ensure
 from ._tree import Tree, Value, output, vector
 
 NAME = ".VGroove Random"
-REVISION = 3
+REVISION = 4
 
 MAX_LIGHTS = 50  # of one material
 # A stream of node groups gives three numbers, which are independent of one another.

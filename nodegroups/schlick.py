@@ -6,7 +6,7 @@ from ._tree import Tree, Value, clamp
 from .parameters import add_input
 
 NAME = ".VGroove Schlick"
-REVISION = 3
+REVISION = 4
 
 
 def interface(tree: Tree) -> dict[str, Value]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import ensure
-from ._tree import Tree, Value, clamp, dot, greater, maximum, minimum, normalize, output, scale, select, sqrt
+from ._tree import Tree, Value, clamp, dot, greater, hold, maximum, minimum, normalize, output, scale, select, sqrt
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from bpy.types import Node, NodeSocket
 
 NAME = ".VGroove Normal"
-REVISION = 2
+REVISION = 3
 SPECULAR_NAME = ".VGroove Specular Normal"
-SPECULAR_REVISION = 3
+SPECULAR_REVISION = 4
 SMOOTHING_NAME = ".VGroove Bump Smoothing"
 TIP = "A bump or normal map; the surface's own if unlinked"
 LONGEST = 1e15  # its square is finite in float32
@@ -36,7 +36,7 @@ def interface(tree: Tree) -> Value:
 
 
 def build(tree: Tree) -> None:
-    given = minimum(maximum(interface(tree), -LONGEST), LONGEST)
+    given = hold(interface(tree), -LONGEST, LONGEST)
     linked = greater(dot(given, given), 1e-12)
     tree.output_vector("N", select(linked, normalize(given), tree.geometry("Normal")), tip="Unit normal")
     tree.output_float("Linked", linked, tip="1 where a normal is given, else 0")
@@ -49,10 +49,7 @@ def shading_normal(tree: Tree, given: Value) -> Value:
 
 def specular_normal(tree: Tree, given: Value) -> Value:
     """N for closures that mirror: raised where the view's mirror image would be below the surface."""
-    node = _specular(tree, given)
-    return select(
-        Value(tree, node.outputs["Below"]), Value(tree, node.outputs["Raised"]), Value(tree, node.outputs["N"])
-    )
+    return Value(tree, _specular(tree, given).outputs["Shading"])
 
 
 def raised(tree: Tree, given: Value, shader: Callable[[Value], NodeSocket]) -> NodeSocket:
@@ -89,8 +86,10 @@ def build_specular(tree: Tree) -> None:
         beside = tree.math("MULTIPLY_ADD", u, u, (1.0 - d * d) * (c * c - t * t))
         k = maximum((sqrt(beside) - u) / (c - t) - d, 0.0)
     tree.output_vector("N", N, tip="Unit normal as given")
-    tree.output_vector("Raised", normalize(N + scale(Ng, k)), tip="Unit normal with R . Ng = t")
+    higher = normalize(N + scale(Ng, k))
+    tree.output_vector("Raised", higher, tip="Unit normal with R . Ng = t")
     tree.output_float("Below", below, tip="1 where N has to be raised, else 0")
+    tree.output_vector("Shading", select(below, higher, N), tip="Raised where it has to be, else N")
 
 
 def lit(tree: Tree, given: Value, wi: Value) -> Value:

@@ -11,7 +11,7 @@ from math import pi
 from ._tree import Tree, Value, cross, dot, exp, less, maximum, sqrt
 
 NAME = ".VGroove Smith Lobe"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:

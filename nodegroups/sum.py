@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     Seen = Callable[[Tree, str, Mapping[str, str]], tuple[cook_torrance.Inputs, Value]]
 
 NAME = "VGroove Sum"
-REVISION = 7
+REVISION = 8
 
 
 def build(

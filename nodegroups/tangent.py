@@ -19,8 +19,8 @@ from ._tree import (
     cross,
     dot,
     greater,
+    hold,
     maximum,
-    minimum,
     normalize,
     output,
     scale,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ._tree import Number
 
 NAME = ".VGroove Tangent"
-REVISION = 1
+REVISION = 2
 TIP = "Direction along the surface that Anisotropy is about, from a Tangent node"
 SOME = (0.5403, 0.3102, 0.7823)  # a direction that hardly a normal has
 TINY = 1e-6  # how much of it is added: an angle that turns nothing visibly, and more than float32 rounds
@@ -52,7 +52,7 @@ def build(tree: Tree, *, radial: bool) -> None:
     N = tree.input_vector("N", (0, 0, 1), hide_value=True, tip="Unit normal")
     rotation = tree.input_float("Rotation", 0.0, low=0.0, high=1.0, tip="In turns")
     with tree.frame("What is linked, or the surface's own"):
-        held = minimum(maximum(given, -LONGEST), LONGEST)
+        held = hold(given, -LONGEST, LONGEST)
         linked = greater(dot(held, held), 1e-12)
         by_uv = None if radial else tree.node("ShaderNodeTangent", direction_type="UV_MAP")
         own = tree.geometry("Tangent") if by_uv is None else Value(tree, output(by_uv, "Tangent"))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bpy.types import Node, ShaderNodeTree, Text
 
 NAME = "VGroove Trajectory"
-REVISION = 1
+REVISION = 2
 AGE, RATE, OFFSET = "Age", "Rate", "Offset"
 Key: TypeAlias = "tuple[float, float | tuple[float, float, float]]"  # age and value
 

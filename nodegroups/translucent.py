@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .sum import Seen
 
 NAME = "VGroove Translucent"
-REVISION = 7
+REVISION = 8
 
 
 def build(

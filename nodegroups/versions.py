@@ -13,6 +13,8 @@ import bpy
 from ..addon.reference import cycles
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from bpy.types import Light, Material, NodeTree, Scene, World
 
 TESTED = ((4, 5), (5, 2), (5, 3))
@@ -53,8 +55,6 @@ LEANING = 0.0 if since(5, 0) else 2.6e-3
 cycles.set_version(cycles.SINCE_5_3 if since(5, 3) else cycles.UNTIL_5_2)
 # Shaders store less on Cycles' stack.
 LEAN_STACK = since(5, 0)
-# On a point cloud's sphere anisotropic closures change when it is turned; in 4.5 they were seen not to.
-POINT_TANGENTS = since(5, 0)
 # Shader nodes can trace a ray (5.1): the Raycast node.
 RAYCAST = hasattr(bpy.types, "ShaderNodeRaycast")
 # Cycles' Principled bends each wavelength by an Abbe number (5.3); its Glass and Refraction nodes do not.
@@ -114,6 +114,13 @@ def write_as(settings: Any, media: str, file_format: str) -> None:
     if since(5, 0):
         settings.media_type = media
     settings.file_format = file_format
+
+
+def compositors() -> Iterator[NodeTree]:
+    """The node trees of compositors, and their groups. 5.0 took them out of the scenes."""
+    yield from (group for group in bpy.data.node_groups if group.bl_idname == "CompositorNodeTree")
+    if not since(5, 0):
+        yield from (scene.node_tree for scene in bpy.data.scenes if scene.node_tree is not None)
 
 
 def has_compositor(scene: Scene) -> bool:

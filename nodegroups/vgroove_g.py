@@ -4,7 +4,7 @@
 from ._tree import Tree, minimum
 
 NAME = ".VGroove G"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree) -> None:

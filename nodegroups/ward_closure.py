@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Ward Closure"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, *, radial: bool) -> None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Ward Corrected"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:

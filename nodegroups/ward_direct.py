@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ._tree import Number, Tree, Value
 
 NAME = "VGroove Ward Direct"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     Rows = list[list[float]]
 
 NAME = "VGroove Ward Fit"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, *, radial: bool) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Ward Mirror"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, lamps: int = 0, *, radial: bool) -> None:

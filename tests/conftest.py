@@ -2,16 +2,21 @@
 """Blender is prepared before anything imports it; each Blender test starts from an empty file.
 
 A test that renders a grid of rows (models, estimators, backends, slopes, ...) is run on some of them, chosen so that
-each value is in one of them at least: what breaks mostly does so for one value. ``--cover 2`` holds each pair of values
-of two parameters too, and `make test-all` runs every row. Grids without Blender hold each pair on 5.2; on 4.5, whose
-Python and NumPy are older too, each value, and on 5.3, which has those of 5.2, they are left out. What takes long and
-hardly depends on Blender, and deliberate errors, which show that a check can fail, are marked ``once`` and run on 5.2
-alone, by `make test-once`; what is more of the same is marked ``more``: `make test-all` has both. On 5.2 `make test`
-also leaves the tests of data/slow.txt to `make test-once`, so that it ends within ten minutes.
+each value is in one of them at least: what breaks mostly does so for one value. ``--cover 2`` holds each pair of
+values of two parameters too. Grids without Blender hold each pair on 5.2; on 4.5, whose Python and NumPy are older
+too, each value, and on 5.3, which has those of 5.2, they are left out. What takes long and hardly depends on Blender,
+and deliberate errors, which show that a check can fail, are marked ``once`` and run on 5.2 alone, by `make test-once`;
+what is more of the same is marked ``more``. On 5.2 `make test` also leaves the tests of data/slow.txt to `make
+test-once`, so that it ends within ten minutes.
+
+``--rotate 2026-12-01`` adds a seventh of what is left out, another one each day: seven nights of `make test-all` run
+every row on every Blender, and `make test-every` does so at once (``--cover 0``).
 """
 
 import contextlib
 import sys
+import zlib
+from datetime import date
 from functools import partial
 from itertools import combinations
 from pathlib import Path
@@ -34,6 +39,7 @@ from vgroove.lab.report.findings import DEFAULT  # noqa: E402
 from vgroove.nodegroups import versions  # noqa: E402
 
 collect_ignore = ["window", "page"]  # need Debian's Blender and Chromium: `make test-window` and `make test-page`
+NIGHTS = 7  # in which --rotate comes round
 SLOW = frozenset(Path(__file__).parent.joinpath("data", "slow.txt").read_text(encoding="utf-8").splitlines())
 PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 
@@ -41,7 +47,14 @@ PIXELS, SAMPLES, SPACING = 16, 16, 2.5  # of a tile with a ball of radius 1
 def pytest_addoption(parser):
     text = "rows of Blender tests: 0 all, 1 each value once at least, 2 each pair of values"
     parser.addoption("--cover", type=int, choices=(0, 1, 2), default=1, help=text)
+    text = "beside those rows a seventh of the others, by this date, as in 2026-12-01; another seventh the next day"
+    parser.addoption("--rotate", type=date.fromisoformat, metavar="DATE", help=text)
     parser.addoption("--write", action="store_true", help="write the table of test_revisions.py")
+
+
+def pytest_report_header(config):
+    day = config.getoption("--rotate")
+    return f"rows by date: --rotate {day}, part {day.toordinal() % NIGHTS + 1} of {NIGHTS}" if day else None
 
 
 def pytest_itemcollected(item):
@@ -62,6 +75,8 @@ def pytest_collection_modifyitems(config, items):
             rows.setdefault((item.path, item.originalname, max(strength, least)), []).append(item)
     kept = {item for (*_, values), of in rows.items() for item in covering(of, values)}
     left |= {item for of in rows.values() for item in of} - kept
+    if (day := config.getoption("--rotate")) is not None:
+        left = {item for item in left if zlib.crc32(item.nodeid.encode()) % NIGHTS != day.toordinal() % NIGHTS}
     if left:
         config.hook.pytest_deselected(items=list(left))
         items[:] = [item for item in items if item not in left]

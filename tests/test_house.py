@@ -15,11 +15,7 @@ house = sys.modules["house"] = importlib.util.module_from_spec(_spec)  # datacla
 _spec.loader.exec_module(house)
 ASKS = re.compile(r"\bsince\(\d|app\.version\b(?!_string)|hasattr\(bpy")
 # Loaded by nothing that an artist sees yet; scripts in Blender import them.
-FOR_SCRIPTS = {"addon/blender/gonio.py", "addon/blender/gonio_merl.py", "addon/choose/explain.py"}
-LOADED = ("merl", "model", "summary", "table")  # of addon/measured, by materials of measured tables
-FOR_SCRIPTS |= {
-    f"addon/measured/{path.name}" for path in (ROOT / "addon" / "measured").glob("[!_]*.py") if path.stem not in LOADED
-}
+FOR_SCRIPTS = {"addon/choose/explain.py", "addon/measured/csv_file.py"}
 
 
 @pytest.fixture(scope="module")

@@ -67,13 +67,23 @@ def in_a_new_blender(script, folder, *arguments):
     return json.loads(line.removeprefix("RESULT ")), done.stderr
 
 
-@pytest.fixture(scope="module")
-def archive(tmp_path_factory):
-    """Built from this folder, with whatever lies in it."""
+def packaging():
+    """tools/package.py."""
     spec = importlib.util.spec_from_file_location("package", ROOT / "tools" / "package.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.package(tmp_path_factory.mktemp("dist"))
+    return module
+
+
+@pytest.fixture(scope="module")
+def archive(tmp_path_factory):
+    """Built from this folder, with whatever lies in it."""
+    return packaging().package(tmp_path_factory.mktemp("dist"))
+
+
+def test_the_zip_has_the_same_bytes_each_time(archive, tmp_path):
+    """Built again, a moment later."""
+    assert packaging().package(tmp_path).read_bytes() == archive.read_bytes()
 
 
 def test_the_zip_holds_what_blender_needs_and_nothing_else(archive):
@@ -92,7 +102,7 @@ def test_no_module_of_the_extension_touches_what_blender_refuses(archive):
     """No sys.path changes, no network, no absolute imports of ourselves; no program but another Blender."""
     file = zipfile.ZipFile(archive)
     runs = [name for name in file.namelist() if name.endswith(".py") and b"subprocess" in file.read(name)]
-    assert runs == ["addon/ui/pictures.py"]
+    assert runs == ["addon/ui/background.py"]
     assert b"return [bpy.app.binary_path, *options" in file.read(*runs)
     for name in file.namelist():
         if name.endswith(".py"):

@@ -110,15 +110,19 @@ class Browser:
         assert text.count(HANDLE[0]) == 1
         copy = path.with_name(f"{path.stem}_opened.html")
         copy.write_text(text.replace(*HANDLE), encoding="utf-8")
+        self.visit(copy.absolute().as_uri() + fragment, size, scheme, media)
+        return self.run(f"return {DRAWN}")
+
+    def visit(self, url: str, size: tuple[int, int] = (1280, 800), scheme: str = "light", media: str = "") -> None:
+        """Any page, loaded."""
         features = [{"name": "prefers-color-scheme", "value": scheme}]
         self.call("Emulation.setEmulatedMedia", media=media, features=features)
         self.call(
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=False
         )
         self.call("Page.navigate", url="about:blank")
-        self.call("Page.navigate", url=copy.absolute().as_uri() + fragment)
+        self.call("Page.navigate", url=url)
         self.run("if (document.readyState !== 'complete') await new Promise((r) => addEventListener('load', r))")
-        return self.run(f"return {DRAWN}")
 
     def run(self, script: str) -> Any:
         """What the body of an async function returns in the page."""

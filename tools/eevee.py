@@ -3,9 +3,9 @@
 
     python tools/eevee.py [FOLDER]
 
-Prints the differences by preset and by model; the pictures go to FOLDER. Cycles renders Exact Lights at lights of zero
-size, which are the formula there, and Standard in a world. Both pictures are averaged over squares of pixels, as noise
-and the edges of highlights would count for a difference.
+Prints the differences by preset and by model; the pictures go to FOLDER. Cycles renders Exact Lights, or Direct, at
+lights of zero size, which are the formula there, and Standard in a world. Both pictures are averaged over squares of
+pixels, as noise and the edges of highlights would count for a difference.
 """
 
 from __future__ import annotations
@@ -102,10 +102,10 @@ def standard(preset: Preset) -> Material:
 
 def exact(preset: Preset) -> Material:
     """At lights the formula, of a model that has it."""
-    if "corrected" not in preset.spec.estimators:
+    estimator = next((one for one in ("corrected", "direct") if one in preset.spec.estimators), "")
+    if not estimator:
         return standard(preset)
-    lights = lamps_to_bind(bpy.context.scene, "corrected", preset.model)
-    return build(preset, Choice("nodes", "corrected", lights))
+    return build(preset, Choice("nodes", estimator, lamps_to_bind(bpy.context.scene, estimator, preset.model)))
 
 
 def picture(scene: Scene, engine: str, samples: int, path: Path | None) -> NDArray[np.float32]:

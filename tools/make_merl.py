@@ -29,7 +29,8 @@ DATA = "Low et al. 2012, ABC model fitted to the MERL measurements of Matusik et
 TRUST = "measured by photographs of a ball, then fitted; amplitudes are the fit's, of its distribution of unit area"
 WARD = "Ngan et al. 2005, Ward's model fitted to the MERL measurements of Matusik et al. 2003, "
 WARD += "doi:10.2312/EGWR/EGSR05/117-126"
-WARD_TRUST = (
+ASHIKHMIN = WARD.replace("Ward's model", "Ashikhmin and Shirley's highlight over Lambert")
+NGAN_TRUST = (
     "measured by photographs of a ball, then fitted; the scale of MERL's channels is applied to the fit's colours"
 )
 TAGS = {
@@ -50,6 +51,9 @@ def merl() -> Iterator[tuple[str, str]]:
             yield identity_of("merl_fits", f"{row['material']} merl"), _text(row, shape, eta, specular)
     for row in table("merl_ward"):
         yield identity_of("merl_fits", f"{row['material']} merl ward"), _ward(row)
+    for row in table("merl_ashikhmin"):
+        if (rgb(row, "kd") * SCALE + rgb(row, "ks") * SCALE).max() <= 1.0:
+            yield identity_of("merl_fits", f"{row['material']} merl as"), _ashikhmin(row)
 
 
 def _text(row: dict[str, str], shape: tuple[float, float], eta: float, specular: np.ndarray) -> str:
@@ -64,7 +68,16 @@ def _ward(row: dict[str, str]) -> str:
     values = _opening(row["material"], "(MERL fit, Ward)", "ward") | {"kind": "ward_1992"}
     values |= {"albedo": rgb(row, "kd") * SCALE, "specular": rgb(row, "ks") * SCALE, "tags": _tags(row["material"])}
     values |= {"m": float(row["alpha"]), "anisotropy": 0.0}
-    text = text_of(values, source={"data": WARD, "trust": WARD_TRUST})
+    text = text_of(values, source={"data": WARD, "trust": NGAN_TRUST})
+    return text.replace("# Made by tools/make_presets.py", HEAD)
+
+
+def _ashikhmin(row: dict[str, str]) -> str:
+    values = _opening(row["material"], "(MERL fit, Ashikhmin-Shirley)", "ashikhmin_shirley") | {"kind": "lambert"}
+    values |= {"albedo": rgb(row, "kd") * SCALE, "specular": np.full(3, float(row["f0"]))}
+    values |= {"amplitude": rgb(row, "ks") * SCALE, "tags": _tags(row["material"])}
+    values |= {"sharpness": float(row["n"]), "anisotropy": 0.0}
+    text = text_of(values, source={"data": ASHIKHMIN, "trust": NGAN_TRUST})
     return text.replace("# Made by tools/make_presets.py", HEAD)
 
 

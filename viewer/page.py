@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import html
 import json
+import re
 from typing import TYPE_CHECKING, Any
 
 from ..addon.library.preset import Preset
@@ -34,12 +35,10 @@ def page(brdfs: Sequence[tuple[str, Preset | Table]]) -> str:
         "@TITLE@": html.escape(", ".join(name for name, _ in brdfs)),
         "@STYLE@": (bundle.HERE / "style.css").read_text(encoding="utf-8"),
         "@SCRIPT@": bundle.script("page"),
-        "@CONTENT@": json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/"),
+        "@CONTENT@": json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c"),  # of any tag
     }
     text = (bundle.HERE / "page.html").read_text(encoding="utf-8")
-    for mark, part in parts.items():  # content last: names may hold anything
-        text = text.replace(mark, part)
-    return text
+    return re.sub("|".join(parts), lambda found: parts[found[0]], text)  # at once, as a name may hold such a mark
 
 
 def _form(of: Preset | Table) -> dict[str, Any]:

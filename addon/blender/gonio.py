@@ -34,6 +34,10 @@ if TYPE_CHECKING:
     from .course import Play
 
 
+SMALLEST = (4, 4)  # pixels of a render of Blender's
+PINHOLE = 1e-3  # degrees
+
+
 @dataclass(frozen=True)
 class Geometry:
     """What is measured. Angles in degrees; ``window`` half width around the mirror direction, 0 for the hemisphere.
@@ -152,6 +156,34 @@ def measure_course(
             images.append(rendered(scene))
         shown.frame_set(before[0], subframe=before[1])
     return np.stack(images)
+
+
+def measure_pairs(
+    make: Callable[[Scene], Material], wi: NDArray[np.float64], wo: NDArray[np.float64], *,
+    samples: int = 1, shading_osl: bool = True, seen: Callable[[], None] = lambda: None,
+) -> NDArray[np.float32]:  # fmt: skip
+    """f(wi, wo) of each pair of directions (N, 3) above the surface, (N, 3) in 1/sr: a render of 4 x 4 pixels each.
+
+    make: as for ``instrument``. seen: called after each pair. The u axis of the UV map is x.
+    """
+    theta_i, phi_i, theta_o, phi_o = (angle for w in (wi, wo) for angle in _angles(w))
+    with instrument(make, Geometry(resolution=SMALLEST), samples=samples, shading_osl=shading_osl) as scene:
+        (lamp,) = (one for one in scene.objects if one.type == "LIGHT")
+        custom = scene.camera.data.cycles_custom
+        custom["window"] = PINHOLE
+        found = []
+        for k in range(len(wi)):
+            lamp.data.energy = 1.0 / np.cos(np.radians(theta_i[k]))
+            lamp.rotation_euler = (0.0, np.radians(theta_i[k]), np.radians(phi_i[k]))
+            custom["theta_i"], custom["phi_i"] = float(theta_o[k]), float(phi_o[k]) + 180.0  # of what is mirrored to wo
+            found.append(rendered(scene).mean(axis=(0, 1)))
+            seen()
+    return np.stack(found)
+
+
+def _angles(w: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """theta and phi of directions (N, 3), in degrees."""
+    return np.degrees(np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2])), np.degrees(np.arctan2(w[:, 1], w[:, 0]))
 
 
 def _measure(

@@ -14,19 +14,21 @@ import numpy as np
 
 from ..library.errors import InputError
 from ..measured.merl import INVALID, PHI_D, THETA_D, THETA_H, rows
+from ..models import base_name
 from ..reference.directions import above
-from . import gonio
+from . import gonio, origin
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from bpy.types import Material, Scene
+    from bpy.types import Material, Scene, ShaderNodeTree
     from numpy.typing import NDArray
 
 BAND = 10  # theta_h of one render, so that progress shows and a measurement can be resumed
 BANDS = THETA_H // BAND
 TURN = 77.0  # degrees about the sun's direction, by which a band is measured again
 LEANS = (0.9, 0.4, 0.0)  # radians, of the sphere then
+CLOSURES = {"ShaderNodeBsdfPrincipled", "ShaderNodeBsdfMetallic", "ShaderNodeBsdfAnisotropic"}  # that have a tangent
 SAME = 0.01  # share of its sum that the turned band may differ by
 
 
@@ -46,7 +48,14 @@ def bands(
         scene.cycles.max_bounces = 0
         (lamp,) = gonio.light(scene, gonio.Geometry())
         lamp.data.use_shadow = False
-        ball = gonio.sphere(scene, make(scene))
+        material = make(scene)
+        if is_anisotropic(material):  # which turning the sphere does not always show
+            message = (
+                "the material is anisotropic, and MERL tables are for isotropic surfaces: set its Anisotropic or "
+                "Anisotropy to 0, and unlink it"
+            )
+            raise AnisotropicError(message)
+        ball = gonio.sphere(scene, material)
         camera = gonio.camera_of(scene, "merl_camera", first=0.0, phi=0.0)
 
         def measured(band: int, phi: float = 0.0) -> NDArray[np.float64]:
@@ -60,6 +69,25 @@ def bands(
             ball.rotation_euler = (0.0, 0.0, 0.0)
         for band in range(first, BANDS):
             yield measured(band)
+
+
+def is_anisotropic(material: Material) -> bool:
+    """Whether a material of ours has an anisotropy, or one of Blender's closures has one or is fed with it."""
+    record = origin.read(material)
+    if record is None:
+        return _may_turn(material.node_tree)
+    return any(base_name(key) == "anisotropy" and value for key, value in record.preset.parameters.items())
+
+
+def _may_turn(tree: ShaderNodeTree | None) -> bool:
+    for node in tree.nodes if tree else ():
+        if _may_turn(getattr(node, "node_tree", None)):
+            return True
+        if node.bl_idname in CLOSURES and any(
+            one.name in {"Anisotropic", "Anisotropy"} and (one.is_linked or one.default_value) for one in node.inputs
+        ):
+            return True
+    return False
 
 
 def _as_entries(image: NDArray[np.float32], band: int) -> NDArray[np.float64]:

@@ -92,7 +92,7 @@ def group_of(preset: Preset, choice: Choice) -> ShaderNodeTree:
     if choice.lamps:
         label += f", {len(choice.lamps)} lamp{'s' * (len(choice.lamps) > 1)}"
     build = partial(build_group, **arguments)
-    if choice.backend == "osl" or choice.estimator not in NATIVE:
+    if choice.backend == "osl" or not (choice.estimator in NATIVE or preset.is_smooth):  # whose nodes EEVEE knows
         build = partial(_with_closure, build, group_of(preset, Choice("nodes", "closure", bounces=bounces)))
     elif (formula := formula_of(preset.model)) is not None:
         name = f"{formula.NAME} {form.variant(preset)[0]}"

@@ -4,29 +4,38 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from mathutils import Matrix, Vector
 
+from ..measured import curves
+from ..measured.summary import reflected
 from ..reference import lobe, rendered
-from . import material
+from . import material, measuring, texel
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from bpy.types import Depsgraph, Material, Object, Scene
+    from bpy.types import Material, Object
 
     from ..library.preset import Preset
+    from ..measured.curves import Numbers
     from ..reference.directions import Floats
     from ..reference.lobe import Lobe
 
+    Uvs = dict[str, tuple[float, float]]
+
 T = TypeVar("T")
 BRDF = "f"  # the whole, beside the terms "D", "G" and "F"
-MOST_KEPT = 32  # lobes and slices: of two materials, under the lights of several viewports
+KINDS = {  # of measuring's plots, what curves calls them
+    measuring.PLANE: "polar", measuring.ACROSS: "polar", measuring.ALBEDO: "albedo", measuring.THETA_H: "theta_h"
+}  # fmt: skip
+MOST_KEPT = 64  # lobes and curves: of two materials, under the lights of several viewports
 DIGITS = 7  # of a direction; Blender's matrices hold float32
+NODES = 32, 48  # of the albedo's quadrature
 FARTHEST = 0.9  # cosine: an axis that is nearer to the normal gives no tangent
 
 
@@ -43,14 +52,6 @@ def frame(point: Sequence[float], normal: Sequence[float], tangent: Sequence[flo
     y = z.cross(x)
     rows = [[*axes, place] for axes, place in zip(zip(x, y, z, strict=True), point, strict=True)]
     return Matrix([*rows, [0.0, 0.0, 0.0, 1.0]])
-
-
-def surface_at(scene: Scene, depsgraph: Depsgraph, start: Vector, direction: Vector) -> tuple[Vector, Vector] | None:
-    """Point and normal, toward ``start``, of the surface that a ray meets first; None if it meets none."""
-    hit, point, normal, *_ = scene.ray_cast(depsgraph, start, direction)
-    if not hit:
-        return None
-    return point, normal if normal.dot(direction) < 0.0 else -normal
 
 
 def toward(lamp: Object, point: Sequence[float]) -> Vector:
@@ -88,15 +89,8 @@ class _Seen:
     preset: Preset
     brdfs: dict[str, Any]
     isotropic: bool
+    mirrors: bool  # whether it also reflects into a single direction, which f does not hold
     number: int
-
-
-@dataclass(frozen=True)
-class Slice:
-    """theta_o (n,) in degrees, negative on the light's side, and what is drawn there, (n, 3)."""
-
-    theta_o: Floats
-    rgb: Floats
 
 
 _seen: dict[int, _Seen] = {}  # by the material's session_uid
@@ -104,40 +98,64 @@ _numbers = count()
 _results: OrderedDict[tuple[Any, ...], Any] = OrderedDict()
 
 
-def of_material(of: Material, wi: Floats, times: str = "one", term: str = BRDF) -> Lobe | None:
+def of_material(of: Material, wi: Floats, times: str = "one", term: str = BRDF, uvs: Uvs | None = None) -> Lobe | None:
     """The lobe of a material as it is now; None without the term, and where the light is below the surface.
 
-    Numbers are those of the material's inputs; textures are not read. MaterialError if it was not made by vgroove.
+    Numbers are those of the material's inputs; with ``uvs`` those that textures give there. MaterialError if it was not
+    made by vgroove.
     The same material under the same light gives the same object.
     """
 
     def evaluated(seen: _Seen) -> Lobe:
         return lobe.lobe(seen.brdfs[term], wi, times, isotropic=seen.isotropic)
 
-    return _kept(of, wi, times, term, evaluated)
+    return _kept(of, (wi, "", uvs), times, term, evaluated)
 
 
-def slice_of(of: Material, wi: Floats, times: str = "one", term: str = BRDF) -> Slice | None:
-    """The slice through the plane of incidence of what ``of_material`` shows."""
+def curve_of(
+    of: Material, wi: Floats, plot: str, times: str = "one", term: str = BRDF, uvs: Uvs | None = None
+) -> Numbers | None:
+    """What a plot, one of ``measuring``'s, shows of a material under the light of ``of_material``; its name is "".
 
-    def evaluated(seen: _Seen) -> Slice:
-        theta = lobe.slice_angles(wi)
-        wo = lobe.slice_directions(theta, float(np.degrees(np.arctan2(wi[1], wi[0]))))
-        return Slice(theta, lobe.weighted(seen.brdfs[term](wi, wo), wi, wo, times))
+    The albedo is that of the whole f, by a quadrature that is quick and good to 0.003; None of what also mirrors in one
+    direction.
+    """
 
-    return _kept(of, wi, times, term, evaluated)
+    def curve(seen: _Seen) -> Numbers | None:
+        if plot == measuring.ALBEDO and seen.mirrors:
+            return None
+        theta, phi = np.degrees([np.arctan2(np.hypot(wi[0], wi[1]), wi[2]), np.arctan2(wi[1], wi[0])])
+        view = curves.View(theta, phi, 90.0 if plot == measuring.ACROSS else 0.0, times=times)
+        whole = seen.brdfs[BRDF]
+
+        def albedo(wo: Floats) -> Floats:
+            return np.stack(
+                [
+                    weight @ whole(there, one)
+                    for one, (there, weight) in zip(wo, (reflected(w, NODES) for w in wo), strict=True)
+                ]
+            )
+
+        return curves.PLOTS[KINDS[plot]]({"": curves.Plotted(seen.brdfs[term], albedo)}, view)
+
+    return _kept(of, (wi, plot, uvs), times, term, curve)
 
 
-def _kept(of: Material, wi: Floats, times: str, term: str, evaluated: Callable[[_Seen], T]) -> T | None:
-    preset = material.origin_of(of).preset
+def _kept(
+    of: Material, at: tuple[Floats, str, Uvs | None], times: str, term: str, evaluated: Callable[[_Seen], T]
+) -> T | None:
+    wi, plot, uvs = at
+    preset = preset_of(of, uvs)
     seen = _seen.get(of.session_uid)
     if seen is None or seen.preset != preset:
         model = preset.reference()
         brdfs = {BRDF: rendered(model, "direct"), **lobe.terms(model)}
-        seen = _seen[of.session_uid] = _Seen(preset, brdfs, lobe.is_isotropic(model), next(_numbers))
+        seen = _seen[of.session_uid] = _Seen(
+            preset, brdfs, lobe.is_isotropic(model), curves.plotted(model).mirrors, next(_numbers)
+        )
     if term not in seen.brdfs or wi[2] <= 0.0:
         return None
-    key = (evaluated.__qualname__, seen.number, *wi.tolist(), times, term)
+    key = (plot, seen.number, *wi.tolist(), times, term)
     if key not in _results:
         _results[key] = evaluated(seen)
         while len(_results) > MOST_KEPT:
@@ -146,9 +164,16 @@ def _kept(of: Material, wi: Floats, times: str, term: str, evaluated: Callable[[
     return _results[key]
 
 
-def has_term(of: Material, term: str) -> bool:
+def preset_of(of: Material, uvs: Uvs | None) -> Preset:
+    """What a material of ours is now, at a point of it where ``uvs`` are given."""
+    preset = material.origin_of(of).preset
+    values = texel.read(of, uvs).values if uvs else {}
+    return replace(preset, parameters=preset.parameters | values) if values else preset
+
+
+def has_term(of: Material, term: str, uvs: Uvs | None = None) -> bool:
     """Whether a material of ours has a term, or the whole. ValueError if its numbers do not go together."""
-    model = material.origin_of(of).preset.reference()
+    model = preset_of(of, uvs).reference()
     return term == BRDF or bool(lobe.terms(model))
 
 
@@ -156,3 +181,4 @@ def forget() -> None:
     """All that is kept."""
     _seen.clear()
     _results.clear()
+    texel.forget()

@@ -99,13 +99,13 @@ def problems_with(scene: Scene | SceneFacts, preset: Preset, backend: str, estim
             found += [p for p in _fresnel_problems(part, backend, estimator) if p not in found]
     if preset.refracts:
         found += [*_bounce_problems(known.scene), *_raytracing_problems(known.scene)]
-    return [*found, *cycles_problems(known.scene), *_stale_problems(known)]
+    return [*found, *cycles_problems(known.scene), *stale_problems(known)]
 
 
 def problems_in(scene: Scene | SceneFacts, found: Iterable[Problem] = ()) -> list[Problem]:
     """``found``, and beside that what is wrong for the materials that the scene has, by the first one's name."""
     known = facts.of(scene)
-    listed = list(found) or [*cycles_problems(known.scene), *_stale_problems(known)]
+    listed = list(found) or [*cycles_problems(known.scene), *stale_problems(known)]
     texts = {problem.text for problem in listed}
     for made, origin in known.origins.items():
         for problem in problems_with(known, origin.preset, origin.backend, origin.estimator) if origin else ():
@@ -185,7 +185,7 @@ def cycles_problems(scene: Scene) -> Iterator[Problem]:
         yield Problem("cycles", text, "Update" if fix else "", fix)
 
 
-def _stale_problems(known: SceneFacts) -> Iterator[Problem]:
+def stale_problems(known: SceneFacts) -> Iterator[Problem]:
     """Materials that lost their node group or table, and those made before a light was added or lost its size."""
     for table in TABLES:
         if table.nodes_without():

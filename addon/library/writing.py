@@ -4,17 +4,16 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-from ..models import fresnel
+from ..models import MeasuredTable, fresnel
 from . import distribution, presets
 from .checks import PresetError
-from .files import check_writable, write_text
+from .files import check_writable, replacing, write_text
 from .presets import USER_FAMILY, Preset
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HEAD = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
 
@@ -93,6 +92,26 @@ def save(preset: Preset, folder: Path, *, overwrite: bool = False) -> Preset:
     write_text(path, text)
     presets.reread()
     return held
+
+
+def free_name(name: str, folder: Path) -> str:
+    """``name``, or with a number where the user's ``folder`` has a preset of that name already."""
+    given, count = name, 1
+    while (folder / f"{file_name(given)}.toml").exists():
+        count += 1
+        given = f"{name[:56]} {count}"
+    return given
+
+
+def copy_table(table: MeasuredTable, folder: Path) -> MeasuredTable:
+    """A copy of a table's file in the user's ``folder``, named by its content too; OSError where that fails."""
+    path = Path(table.file)
+    copy = folder / f"{file_name(path.stem)}_{table.sha256[:8]}{path.suffix}"
+    folder.mkdir(parents=True, exist_ok=True)
+    if not copy.is_file():
+        with replacing(copy) as temporary:
+            shutil.copyfile(path, temporary)
+    return MeasuredTable(copy.name, table.sha256)
 
 
 def own_file(preset: Preset, folder: Path | None) -> Path | None:

@@ -41,6 +41,7 @@ METRICS = {
     "l1": "difference of f cos theta_i cos theta_o over solid angles",
 }
 ANGLES = (0, 15, 30, 45, 60, 75)  # degrees, of the light
+TYPICAL = 45  # degrees
 TRIED = (0.005, 0.015, 0.04, 0.1, 0.2, 0.4)  # slopes that a new lobe starts from
 TRIAL, STEPS = 12, 120  # steps of a start, and of the two best
 SOFT = 1e-3  # of the mean f: below, l1 is smooth
@@ -61,6 +62,14 @@ class Fit:
     def mean(self) -> float:
         """The residual, averaged over ``ANGLES``."""
         return float(np.mean(self.residual))
+
+    @property
+    def says(self) -> str:
+        """The residual in a few words, at ``TYPICAL`` and where it is largest."""
+        share = dict(zip(ANGLES, self.residual, strict=True))
+        most = max(share, key=share.__getitem__)
+        text = f"differs by {100.0 * share[TYPICAL]:.2g} % of the light at {TYPICAL} degrees"
+        return text if most == TYPICAL else f"{text}, {100.0 * share[most]:.2g} % at {most}"
 
 
 def fit(table: Table, name: str, data: str, lobes: int = 2, kind: str = DEFAULT, metric: str = "l1") -> Fit:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..library.preset import Preset
-from ..models import car_paint, cook_torrance, generator
+from ..models import car_paint, cook_torrance, generator, ward
 from ..reference.directions import above, spherical
 from ..reference.distributions import beckmann_d, vgroove_g
 from ..reference.facet_distribution import Distribution, Term
@@ -53,6 +53,10 @@ class Pairs:
     def microfacets(self, D: Floats, F: Floats) -> Floats:
         """F D G / (4 (n.l)(n.v)), (n, 3), from D at the facets (90,) and F at the cosines (18, 3)."""
         return (D[self._h] * self._masking)[:, None] * F[self._d]
+
+    def products(self, D: Floats, F: Floats) -> Floats:
+        """D F, (n, 3), of the same."""
+        return D[self._h][:, None] * F[self._d]
 
     @property
     def facets(self) -> Floats:
@@ -129,6 +133,19 @@ class Facets(Part):
         share = share / share.sum()
         rows = zip(np.exp(log_b), power, share, strict=True)
         return tuple(Term("abc", (float(B), float(C)), float(w)) for B, C, w in rows)
+
+
+class Gaussian(Part):
+    """Ward's bounded lobe, D / (4 (v.h)^2): specular R, G, B and log m."""
+
+    low = (*(0.0,) * 3, np.log(SLOPES[0]))
+    high = (*(1.0,) * 3, np.log(SLOPES[1]))
+
+    def evaluate(self, pairs: Pairs, p: Floats) -> Floats:
+        return pairs.products(beckmann_d(pairs.facets, np.exp(p[3])), p[:3] / (4.0 * pairs.cosines[:, None] ** 2))
+
+    def reflects(self, p: Floats) -> Floats:
+        return p[:3]
 
 
 class Lobes(ABC):
@@ -210,9 +227,34 @@ class GeneratorLobes(Lobes):
         return Preset(IDENTITY, name, generator.MODEL.name, "dielectric", numbers, source, TAGS, distribution=terms)
 
 
+class WardLobes(Lobes):
+    """Lambert and one round Gaussian: a preset of Ward's model in its bounded form."""
+
+    most = 1
+
+    def parts(self, lobes: int) -> list[Part]:
+        return [Diffuse(rough=False), *(Gaussian() for _ in range(lobes))]
+
+    def start(self, albedo: Floats) -> Floats:
+        return albedo
+
+    def with_lobe(self, p: Floats, slope: float) -> Floats:
+        return np.array([*p, *(0.1,) * 3, np.log(slope)])
+
+    def within(self, p: Floats, full: float) -> Floats:
+        share = (full - p[:3]) / np.maximum(p[3:6], 1e-12)
+        return np.concatenate([p[:3], p[3:6] * min(1.0, float(np.min(share))), p[6:]])
+
+    def preset(self, p: Floats, name: str, source: dict[str, str]) -> Preset:
+        numbers: dict[str, Number] = {"albedo": _rgb(p[:3]), "specular": _rgb(p[3:6]), "m": _rounded(np.exp(p[6]))}
+        numbers |= {"anisotropy": 0.0, "rotation": 0.0}
+        return Preset(IDENTITY, name, ward.MODEL.name, next(iter(ward.MODEL.kinds)), numbers, source, TAGS)
+
+
 KINDS: dict[str, Lobes] = {
     cook_torrance.MODEL.name: CookTorranceLobes(),
     generator.MODEL.name: GeneratorLobes(),
+    ward.MODEL.name: WardLobes(),
 }
 
 

@@ -4,8 +4,11 @@
 With p(h) = sqrt((n_u + 1)(n_v + 1)) / (2 pi) (n.h)^(n_u cos^2 + n_v sin^2), the azimuth being that of h, a density:
 f_s = p(h) F / (4 (v.h) max(n.l, n.v)), F = Rs + (1 - Rs)(1 - v.h)^5,
 f_d = 28 Rd (1 - Rs) / (23 pi) a(n.l) a(n.v), a(c) = 1 - (1 - c/2)^5.
+Fits of measured materials scale f_s by an amplitude and have it over Lambert's f_d = Rd / pi.
 
-Source: Ashikhmin & Shirley 2000, An Anisotropic Phong BRDF Model, JGT 5(2), doi:10.1080/10867651.2000.10487522
+Sources:
+    Ashikhmin & Shirley 2000, An Anisotropic Phong BRDF Model, JGT 5(2), doi:10.1080/10867651.2000.10487522
+    Ngan, Durand & Matusik 2005, Experimental Analysis of BRDF Models, doi:10.2312/EGWR/EGSR05/117-126 (over Lambert)
 """
 
 from __future__ import annotations
@@ -37,7 +40,8 @@ GRADED = np.array([0.01, 0.1, 0.3, 1.0, 3.0, 10.0])  # of the angle by which a f
 class AshikhminShirley:
     """``albedo`` Rd and ``specular`` Rs, RGB in [0, 1]; exponents ``n_u`` along the tangent, ``n_v`` across it, >= 0.
 
-    azimuth: of the tangent in the local frame, in radians.
+    azimuth: of the tangent in the local frame, in radians. amplitude: RGB in [0, 1], of the highlight.
+    over_lambert: the diffuse part is Lambert's; ``albedo`` and ``amplitude`` add up to at most 1 in each channel then.
     """
 
     albedo: ArrayLike
@@ -45,12 +49,17 @@ class AshikhminShirley:
     n_u: float
     n_v: float
     azimuth: float = 0.0
+    amplitude: ArrayLike = 1.0
+    over_lambert: bool = False
 
     def __post_init__(self) -> None:
-        as_rgb(self.albedo, "albedo", 0.0, 1.0)
+        albedo, amplitude = as_rgb(self.albedo, "albedo", 0.0, 1.0), as_rgb(self.amplitude, "amplitude", 0.0, 1.0)
         as_rgb(self.specular, "specular", 0.0, 1.0)
         as_range([self.n_u, self.n_v], "exponents", 0.0, HIGHEST)
         as_finite(self.azimuth, "azimuth")
+        if self.over_lambert and np.max(albedo + amplitude) > 1.0 + 1e-12:
+            message = f"albedo + amplitude must be at most 1, got {np.max(albedo + amplitude):.15g}"
+            raise ValueError(message)
 
     def evaluate(self, wi: ArrayLike, wo: ArrayLike) -> Floats:
         """f(wi, wo) in 1/sr, (..., 3); 0 unless both leave the upper side."""
@@ -59,8 +68,13 @@ class AshikhminShirley:
         vh = np.where(lit, facet_cosine(wi, wo, h), 1.0)
         nearer = np.maximum(np.where(lit, wi[..., 2], 1.0), wo[..., 2])
         lobe = np.where(lit, self.density(h) / (4.0 * vh * nearer), 0.0)
-        below = 28.0 / (23.0 * np.pi) * entering(wi) * entering(wo)
-        return lobe[..., None] * schlick(vh, self._rgb) + below[..., None] * self._deep()
+        both = 1.0 if self.over_lambert else 28.0 / 23.0 * entering(wi) * entering(wo)
+        below = np.where(lit, both, 0.0) / np.pi
+        return lobe[..., None] * self.reflectance(vh) + below[..., None] * self.deep
+
+    def reflectance(self, vh: Floats) -> Floats:
+        """The amplitude times F at v.h, (..., 3)."""
+        return schlick(vh, np.broadcast_to(self.specular, (3,))) * np.asarray(self.amplitude)
 
     def density(self, h: Floats) -> Floats:
         """p(h) in 1/sr, (...), of facets above the surface, in the tangent's frame.
@@ -108,12 +122,12 @@ class AshikhminShirley:
         return share * lobe + (1.0 - share) * Lambert(1.0).pdf(wi, wo)
 
     def directional_albedo(self, wo: ArrayLike) -> Floats:
-        """Directional albedo, (..., 3): integral of f cos over wi; of the diffuse part Rd (1 - Rs) a(n.v)."""
+        """Directional albedo, (..., 3): integral of f cos over wi; of the diffuse part Rd (1 - Rs) a(n.v), or Rd."""
         _, wo = as_pair(wo, wo)
-        return self.moment(wo) + entering(wo)[..., None] * self._deep()
+        return self.moment(wo) + self.entered(wo)[..., None] * self.deep
 
     def moment(self, wo: Floats, power: int = 1, nodes: int = 12) -> Floats:
-        """Mean of (F min(1, (n.l)/(n.v)))^power over facets by p(h), (..., 3); the first is the highlight's albedo.
+        """Mean of (A F min(1, (n.l)/(n.v)))^power over facets by p(h), (..., 3); the first is the highlight's albedo.
 
         By quadrature over the azimuth about the normal (of a circle that p(h) stretches) and the angle t of a facet.
         Toward azimuth p from the view, n.l = n.v at tan t = tan theta cos p, and 0 at tan 2t = -1/(tan theta cos p).
@@ -141,7 +155,7 @@ class AshikhminShirley:
         share = np.clip(2.0 * cos * vh / c - 1.0, 0.0, 1.0)
         with np.errstate(under="ignore"):
             density = np.exp((1.0 / (r * r) - 1.0) * np.log(cos)) * sin / (r * r)
-        w = schlick(vh, self._rgb) * share[..., None]
+        w = self.reflectance(vh) * share[..., None]
         return np.einsum("pt,ptc,p->c", density * weight, w**power, psi_weight) / (2.0 * np.pi)
 
     def rendered(self, estimator: str, _bound: float) -> Brdf:
@@ -153,18 +167,19 @@ class AshikhminShirley:
         return lambda wi, wo: closures(self, *self._turned(wi, wo), fitted=estimator == "fit")
 
     @property
-    def _rgb(self) -> Floats:
-        """Rs of three channels."""
-        return np.broadcast_to(np.asarray(self.specular, dtype=np.float64), (3,))
+    def deep(self) -> Floats:
+        """Rd (1 - Rs), or Rd, (3,)."""
+        under = 1.0 if self.over_lambert else 1.0 - np.asarray(self.specular)
+        return np.broadcast_to(np.asarray(self.albedo) * under, (3,))
 
-    def _deep(self) -> Floats:
-        """Rd (1 - Rs), (3,)."""
-        return np.asarray(self.albedo) * (1.0 - self._rgb)
+    def entered(self, w: Floats) -> Floats:
+        """``entering``, or over Lambert 1, (...); 0 below the surface."""
+        return np.where(w[..., 2] > 0.0, 1.0, 0.0) if self.over_lambert else entering(w)
 
     def _share(self) -> float:
         """Of samples that are drawn about facets."""
-        specular, deep = float(np.mean(self._rgb)), float(np.mean(self._deep()))
-        return specular / (specular + deep) if deep > 0 else 1.0
+        mirrored, deep = float(np.mean(self.reflectance(np.array(1.0)))), float(np.mean(self.deep))
+        return mirrored / (mirrored + deep) if deep > 0 else 1.0
 
     def _turned(self, wi: ArrayLike, wo: ArrayLike) -> tuple[Floats, Floats]:
         wi, wo = as_pair(wi, wo)

@@ -5,8 +5,9 @@ Cycles' Glossy BSDF has the highlight itself, without F. ``closure`` gives it th
 Lambert. ``fit`` has what F adds, (1 - Rs)(1 - v.h)^5, on a Beckmann lobe of Metallic BSDF, which is narrower within the
 plane of view and dimmer than the highlight; the Glossy BSDF sends what that lacks. The lobe's weight has no colour, but
 its Fresnel term has: with a coloured Rs it also sends some of what is above the least channel, and less is left to it
-where that outweighs the rise of F. The diffuse part is Lambert and a Toon BSDF. ``tools/fit_ashikhmin.py`` finds the
-numbers, and prints how near all this comes.
+where that outweighs the rise of F. Of a coloured amplitude the lobe has the least channel; what the others have more
+gets the mean of F. The diffuse part is Lambert and a Toon BSDF, or Lambert where the model's is.
+``tools/fit_ashikhmin.py`` finds the numbers, and prints how near all this comes.
 """
 
 from __future__ import annotations
@@ -19,13 +20,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .ashikhmin_shirley import entering
 from .cook_torrance_fit import NARROWEST, smith_lobe
 from .directions import above, facet_cosine, half_vector
 from .fresnel import schlick
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from .ashikhmin_shirley import AshikhminShirley
     from .directions import Floats
@@ -133,21 +133,23 @@ def closures(of: AshikhminShirley, wi: Floats, wo: Floats, *, fitted: bool) -> F
     h = half_vector(wi, wo)
     vh, ni = np.where(lit, facet_cosine(wi, wo, h), 1.0), np.where(lit, wi[..., 2], 1.0)
     glossy = of.density(h) / (4.0 * vh * np.maximum(ni, wo[..., 2]))
-    color, f0, strength = split(of.specular, seen, fitted=fitted)
+    color, f0, strength = split(of.specular, of.amplitude, seen, fitted=fitted)
     lobe = (strength * beckmann(wi, wo, seen) / ni)[..., None] * schlick(vh, f0)
     diffuse = np.full(ni.shape, 1.0 / np.pi)
-    if fitted:
+    if fitted and not of.over_lambert:
         diffuse = LAMBERT * diffuse + (1.0 - LAMBERT) * toon(ni) / ni
-    below = (entering(wo) * diffuse)[..., None] * np.asarray(of.albedo) * (1.0 - np.asarray(of.specular))
+    below = (of.entered(wo) * diffuse)[..., None] * of.deep
     return np.where(lit[..., None], glossy[..., None] * color + lobe + below, 0.0)
 
 
-def split(specular: object, seen: Shape, *, fitted: bool) -> tuple[Floats, Floats, Floats]:
+def split(specular: ArrayLike, amplitude: ArrayLike, seen: Shape, *, fitted: bool) -> tuple[Floats, Floats, Floats]:
     """Color of the Glossy BSDF (..., 3), F0 of the Beckmann lobe (3,) and its weight (...), 0 of ``closure``."""
-    rgb = np.broadcast_to(np.asarray(specular, dtype=np.float64), (3,))
+    rgb, scale = (np.broadcast_to(np.asarray(one, dtype=np.float64), (3,)) for one in (specular, amplitude))
+    even = np.min(scale)
     rest, above_least = 1.0 - rgb, rgb - np.min(rgb)
     most = max(float(np.max(rest)), 1e-7)
     share = fitted * seen.rise / (seen.rise + COLORED * np.max(above_least) + 1e-6)
     added = share * seen.more + (1.0 - share) * seen.mean
     color = rgb - (share * seen.flat)[..., None] * above_least + added[..., None] * rest
-    return color, 1.0 - rest / most, most * share * seen.weight
+    color = even * color + (scale - even) * (rgb + seen.mean[..., None] * rest)
+    return color, 1.0 - rest / most, even * most * share * seen.weight

@@ -7,6 +7,7 @@ those of the least L1 distance, by damped Gauss-Newton steps on their logarithms
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,7 @@ from .fresnel import F82, F82_COSINE, schlick
 
 if TYPE_CHECKING:
     from .directions import Floats
-    from .facet_distribution import Distribution
+    from .facet_distribution import Distribution, Term
     from .fresnel import Fresnel
 
 MOST_TERMS = 6
@@ -29,7 +30,11 @@ Terms = tuple[tuple[float, float], ...]
 
 @cache
 def beckmann_terms(of: Distribution) -> Terms:
-    """(weight, m) of each term; as few as come within ``ENOUGH``, at most ``MOST_TERMS``."""
+    """(weight, m) of each term; as few as come within ``ENOUGH``, at most ``MOST_TERMS``.
+
+    Of slopes below ``LOWEST`` those of that slope: the nearest wider lobes by L1 are nearly black.
+    """
+    of = replace(of, terms=tuple(_widened(term) for term in of.terms))
     best: Terms = ()
     for count in range(1, MOST_TERMS + 1):
         found = least_l1(of, count)
@@ -38,6 +43,10 @@ def beckmann_terms(of: Distribution) -> Terms:
         if distance(of, best) < ENOUGH:
             break
     return best
+
+
+def _widened(term: Term) -> Term:
+    return replace(term, numbers=(max(term.numbers[0], LOWEST),)) if len(term.numbers) == 1 else term
 
 
 @cache

@@ -14,6 +14,8 @@ from . import (
     apply,
     course,
     export,
+    measure,
+    measured,
     numbers,
     opened,
     operators,
@@ -27,6 +29,9 @@ from . import (
     thumbnails,
     viewer,
     viewer_draw,
+    viewer_export,
+    viewer_measure,
+    viewer_panel,
     watch,
 )
 
@@ -41,8 +46,13 @@ WITH_CLASSES = (
     shader_editor,
     panels,
     course,
+    measured,
+    measure,
     export,
     viewer,
+    viewer_measure,
+    viewer_export,
+    viewer_panel,
 )
 _registered = ExitStack()
 
@@ -60,6 +70,9 @@ def register() -> None:
         thumbnails.register()
         undo.callback(thumbnails.unregister)
         undo.callback(pictures.unregister)
+        measured.register()
+        undo.callback(measured.unregister)
+        undo.callback(measure.unregister)
         undo.callback(watch.unregister)
         watch.register()
         colour_update.register()
@@ -72,6 +85,7 @@ def register() -> None:
         undo.callback(delattr, bpy.types.Scene, "vgroove_course")
         bpy.types.Scene.vgroove_viewer = bpy.props.PointerProperty(type=viewer.VGrooveViewer)
         undo.callback(delattr, bpy.types.Scene, "vgroove_viewer")
+        undo.callback(viewer_measure.unregister)
         undo.callback(viewer_draw.unregister)
         viewer_draw.register()
         follow.register()

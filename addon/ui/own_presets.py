@@ -42,7 +42,7 @@ class VGROOVE_OT_save_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _poll_folder(cls) and poll_ours(cls, context)
+        return poll_folder(cls) and poll_ours(cls, context)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         preset = material.preset_of(ours(context))
@@ -80,7 +80,7 @@ class VGROOVE_OT_import_preset(bpy.types.Operator, ImportHelper):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        return _poll_folder(cls)
+        return poll_folder(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         return _save_with_picture(
@@ -199,7 +199,7 @@ def _save_with_picture(
     return done
 
 
-def _poll_folder(operator: type[bpy.types.Operator]) -> bool:
+def poll_folder(operator: type[bpy.types.Operator]) -> bool:
     if presets.user_folder() is None:
         operator.poll_message_set("No preset folder: install the extension, or set VGROOVE_PRESETS")
         return False

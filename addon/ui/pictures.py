@@ -6,29 +6,19 @@ They lie in the folder that Blender gives the extension, as FAMILY/MATERIAL.webp
 
 from __future__ import annotations
 
-import os
-import subprocess
-import tempfile
-from pathlib import Path
-from typing import IO
+from typing import TYPE_CHECKING
 
 import bpy
 
-from ..library import presets
-from . import thumbnails
+from . import background, thumbnails
+from .background import PAUSE
 
-ROOT = Path(__file__).parents[2]
-PAUSE = 0.5  # seconds between looks at the other Blender
-# Loads this folder as a package of any name: the other Blender starts with factory settings, without extensions.
-SCRIPT = """
-import importlib, importlib.util, sys, bpy
-root = {root!r}
-spec = importlib.util.spec_from_file_location({name!r}, root + "/__init__.py", submodule_search_locations=[root])
-sys.modules[spec.name] = importlib.util.module_from_spec(spec)
-importlib.import_module(spec.name + ".addon.choose.picture").main()
-"""
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MODULE = ".addon.choose.picture"
 _waiting: list[str] = []  # ids, the next one first
-_running: dict[str, tuple[subprocess.Popen[bytes], IO[bytes]]] = {}  # at most one, by id: it, and what it complains of
+_running: dict[str, background.Job] = {}  # at most one, by id
 
 
 def request(identity: str) -> None:
@@ -70,10 +60,7 @@ def cancel(identity: str) -> bool:
     asked = identity in _waiting or identity in _running
     _waiting[:] = [one for one in _waiting if one != identity]
     if identity in _running:
-        process, errors = _running.pop(identity)
-        process.kill()
-        process.wait()
-        errors.close()
+        _running.pop(identity).stop()
     return asked
 
 
@@ -93,47 +80,24 @@ def path_of(identity: str) -> Path | None:
 
 def command(identity: str) -> list[str]:
     """The other Blender's command line; empty where Blender is a module of Python and has no program."""
-    if not bpy.app.binary_path:
-        return []
-    script = SCRIPT.format(name="vgroove_pictures", root=str(ROOT))
-    threads = max(1, (os.cpu_count() or 1) // 2)  # the rest is for whoever works in the window
-    options = ["--background", "--factory-startup", "--offline-mode", "--threads", str(threads)]
-    options += ["--python-exit-code", "1", "--python-expr", script]
-    return [bpy.app.binary_path, *options, "--", identity, str(path_of(identity))]
+    return background.command(MODULE, identity, str(path_of(identity)))
 
 
 def _look() -> float | None:
     """Called by Blender until nothing waits: shows what is ready and starts the next one."""
-    for identity, (process, errors) in list(_running.items()):
-        if process.poll() is None:
+    for identity, job in list(_running.items()):
+        if job.is_running:
             return PAUSE
         del _running[identity]
-        with errors:
-            errors.seek(0)
-            lines = errors.read().decode(errors="replace").split("\n")
-        if process.returncode:
-            why = next((line for line in reversed(lines) if line.strip()), "it gave no reason")
-            how = f"Blender in the background ended with {process.returncode}: {why.strip()}"
+        if why := job.failure():
+            how = f"Blender in the background ended with {job.process.returncode}: {why}"
             print(f"V-Groove: no picture of {identity}: {how}")
         thumbnails.forget(identity)
     if not _waiting:
         return None
     identity = _waiting.pop(0)
     try:
-        _running[identity] = _start(identity)
+        _running[identity] = background.Job(command(identity))
     except OSError as error:
         print(f"V-Groove: no picture of {identity}: {bpy.app.binary_path} cannot be started: {error.strerror}")
     return PAUSE
-
-
-def _start(identity: str) -> tuple[subprocess.Popen[bytes], IO[bytes]]:
-    errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed when it has ended
-    process = subprocess.Popen(
-        command(identity),
-        env=os.environ | {presets.USER_FOLDER: str(presets.user_folder())},
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=errors,
-        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # Windows would open a console
-    )
-    return process, errors

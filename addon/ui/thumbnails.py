@@ -66,18 +66,19 @@ def forget(identity: str) -> None:
         _waiting.remove(identity)
     if identity in _pictures[0]:
         del _pictures[0][identity]
-    _redraw()
+    redraw()
 
 
 def _read_some() -> float | None:
     """Called by Blender until nothing waits."""
     for _ in range(min(AT_ONCE, len(_waiting))):
         _ = _pictures[0][_waiting.pop(0)].image_size[0]  # to ask for the size reads the file
-    _redraw()
+    redraw()
     return PAUSE if _waiting else None
 
 
-def _redraw() -> None:
+def redraw() -> None:
+    """Draw the editors that show pictures again."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type in SHOWN_IN:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The BRDF Viewer: where the light goes, drawn as a lobe over the scene. Its settings, panel and picker."""
+"""The BRDF Viewer: where the light goes, drawn as a lobe over the scene. Its settings and tools."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ import bpy
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Matrix, Vector
 
-from ..blender import lobes, material
+from ..blender import lobes, material, texel
 from ..reference import lobe, spherical
-from .panels import InSidebar
-from .text import lines
+from . import viewer_plots
 
 PLACES = (
     ("CURSOR", "3D Cursor", "At the 3D cursor, whose Z axis is the normal and X axis the tangent", 0),
@@ -79,6 +78,13 @@ class VGrooveViewer(bpy.types.PropertyGroup):
         name="Normal", description="The surface's normal there, in world space", size=3, default=(0.0, 0.0, 1.0),
         subtype="DIRECTION", options=set(), update=redraw,
     )  # fmt: skip
+    picked: bpy.props.PointerProperty(
+        name="Picked Material", description="The material of the face that was clicked", type=bpy.types.Material,
+        options=set(), update=redraw,
+    )  # fmt: skip
+    picked_uvs: bpy.props.StringProperty(
+        name="Picked UVs", description="Where the clicked point is in each UV map", options=set(), update=redraw
+    )
     light_from: bpy.props.EnumProperty(
         name="Light From", description="Where the light comes from", items=LIGHTS, options=set(), update=redraw
     )
@@ -131,18 +137,28 @@ class VGrooveViewer(bpy.types.PropertyGroup):
         "facets that mirror the light toward you",
         default=False, options=set(), update=redraw,
     )  # fmt: skip
-    slice: bpy.props.BoolProperty(
-        name="Slice", description="Draw the slice through the plane of incidence in the viewport's corner, with its "
-        "values and the angle of its peak",
-        default=True, options=set(), update=redraw,
+    plots: bpy.props.EnumProperty(
+        name="Plots", description="Curves in the viewport's corner, with their peaks; Shift for several",
+        items=viewer_plots.ITEMS, default={viewer_plots.PLANE}, options={"ENUM_FLAG"}, update=redraw,
     )  # fmt: skip
 
 
-def materials(context: bpy.types.Context) -> list[bpy.types.Material]:
-    """The active material and the one to compare with, as far as they are ours; each once."""
-    item = context.object
-    chosen = [item.active_material if item else None, context.scene.vgroove_viewer.other]
-    return list(dict.fromkeys(one for one in chosen if one and material.is_ours(one)))
+def candidates(context: bpy.types.Context) -> list[bpy.types.Material]:
+    """The material shown, whatever its nodes are, and the one to compare with; each once.
+
+    That is the one of the face that was clicked, or else the active one.
+    """
+    settings, item = context.scene.vgroove_viewer, context.object
+    active = item.active_material if item else None
+    picked = settings.picked if settings.place == "POINT" else None
+    chosen = [picked or active, settings.other]
+    return list(dict.fromkeys(one for one in chosen if one))
+
+
+def uvs_of(scene: bpy.types.Scene, of: bpy.types.Material) -> dict[str, tuple[float, float]] | None:
+    """Where the clicked point is in each UV map, of the material there; None of any other."""
+    settings = scene.vgroove_viewer
+    return texel.loads(settings.picked_uvs) if settings.place == "POINT" and settings.picked == of else None
 
 
 def frame(scene: bpy.types.Scene) -> Matrix:
@@ -177,23 +193,6 @@ def toward_light(scene: bpy.types.Scene, region: bpy.types.RegionView3D | None, 
         return lobes.local(toward_eye(region, at.translation), at) if region else None
     lamp = light_of(scene)
     return lobes.local(lobes.toward(lamp, at.translation), at) if lamp else None
-
-
-def problem(context: bpy.types.Context) -> str:
-    """Why nothing is drawn, and what to do; "" if a lobe is."""
-    settings, found = context.scene.vgroove_viewer, materials(context)
-    if not found:
-        return "Apply a preset to the active object to see its lobe"
-    have = [lobes.has_term(one, settings.term) for one in found]  # of all: what does not hold is an error
-    if not any(have):
-        return f"This model has no facets, so no {settings.term}. Choose f"
-    at = frame(context.scene)
-    wi = toward_light(context.scene, getattr(context, "region_data", None), at)
-    if wi is None:
-        return "Add a light, or let the light come from View or Angles" if settings.light_from == "LIGHT" else ""
-    if wi[2] <= 0.0:
-        return "The light is below the surface here. Turn the 3D cursor, or pick a point on a surface that is lit"
-    return ""
 
 
 class _InViewport:
@@ -241,7 +240,10 @@ class VGROOVE_OT_pick_point(_InViewport, bpy.types.Operator):
 
     bl_idname = "vgroove.pick_point"
     bl_label = "Pick Point"
-    bl_description = "Click a surface, and the lobe stands there along its normal. Esc cancels"
+    bl_description = (
+        "Click a surface, and the lobe of its material stands there along its normal, with its textures there. "
+        "Esc cancels"
+    )
     cursor = "EYEDROPPER"
     hint = "Click a surface"
 
@@ -251,11 +253,11 @@ class VGROOVE_OT_pick_point(_InViewport, bpy.types.Operator):
         if event.type != "LEFTMOUSE" or event.value != "PRESS":
             return {"RUNNING_MODAL" if event.type == "MOUSEMOVE" else "PASS_THROUGH"}
         ray = self.ray(context, event)
-        found = ray and lobes.surface_at(context.scene, context.evaluated_depsgraph_get(), *ray)
+        found = ray and texel.surface_at(context.scene, context.evaluated_depsgraph_get(), *ray)
         if not found:
             self.report({"WARNING"}, "There is no surface. Click one, or press Esc")
             return {"RUNNING_MODAL"}
-        stand_at(context.scene, *found)
+        stand_at(context.scene, found)
         return self.end(context, {"FINISHED"})
 
 
@@ -288,55 +290,13 @@ class VGROOVE_OT_aim_light(_InViewport, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
 
-def stand_at(scene: bpy.types.Scene, point: Vector, normal: Vector) -> None:
-    """Show the lobe at a point of a surface."""
+def stand_at(scene: bpy.types.Scene, hit: texel.Hit) -> None:
+    """Show the lobe at a point of a surface, of the material there."""
     settings = scene.vgroove_viewer
-    settings.place, settings.point, settings.normal, settings.show = "POINT", point, normal, True
-
-
-class VGROOVE_PT_viewer(InSidebar, bpy.types.Panel):
-    bl_label = "BRDF Viewer"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw_header(self, context: bpy.types.Context) -> None:
-        self.layout.prop(context.scene.vgroove_viewer, "show", text="")
-
-    def draw(self, context: bpy.types.Context) -> None:
-        settings, layout = context.scene.vgroove_viewer, self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        layout.active = settings.show
-        try:
-            text = problem(context)
-        except ValueError as error:  # numbers that do not go together, too
-            text = str(error)
-        if text:
-            lines(layout, text, context.region.width, icon="INFO")
-        column = layout.column()
-        column.row().prop(settings, "place", expand=True)
-        column.operator("vgroove.pick_point", icon="EYEDROPPER")
-        column = layout.column()
-        column.row().prop(settings, "light_from", expand=True)
-        if settings.light_from == "LIGHT":
-            column.prop(settings, "lamp")
-        elif settings.light_from == "ANGLES":
-            column.prop(settings, "theta")
-            column.prop(settings, "phi")
-        column.operator("vgroove.aim_light", icon="LIGHT_SUN")
-        column = layout.column()
-        column.row().prop(settings, "term", expand=True)
-        row = column.row()
-        row.enabled = settings.term == lobes.BRDF
-        row.prop(settings, "times")
-        column.prop(settings, "channel")
-        column.prop(settings, "log")
-        column.prop(settings, "absolute")
-        column.prop(settings, "size")
-        column.prop(settings, "mirror")
-        column.prop(settings, "half")
-        column.prop(settings, "slice")
-        layout.column().prop(settings, "other")
+    texel.forget()
+    settings.place, settings.point, settings.normal, settings.show = "POINT", hit.point, hit.normal, True
+    settings.picked, settings.picked_uvs = hit.material, texel.dumps(hit.uvs)
 
 
 assert [name for name, *_ in TIMES] == list(lobe.TIMES)  # noqa: S101
-CLASSES = (VGrooveViewer, VGROOVE_OT_pick_point, VGROOVE_OT_aim_light, VGROOVE_PT_viewer)
+CLASSES = (VGrooveViewer, VGROOVE_OT_pick_point, VGROOVE_OT_aim_light)

@@ -15,9 +15,9 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from ..blender import lobes
+from ..blender import lobes, material
 from ..reference import lobe
-from . import viewer, viewer_slice
+from . import viewer, viewer_measure, viewer_plots
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,6 +31,7 @@ COLORS = ((0.12, 0.45, 0.85), (0.9, 0.42, 0.08))  # of the active material and o
 GOLD, GREY, WHITE = (0.95, 0.72, 0.1, 1.0), (0.75, 0.75, 0.75, 1.0), (1.0, 1.0, 1.0, 0.35)
 TOWARD = np.array([0.35, 0.3, 0.89])  # from where a lobe is shaded, in its own frame
 LINE = 1.5  # pixels
+MARGIN, SOLID = 12.0, 0.88  # of the plots: pixels to the edge, and how much they hide
 MOST_KEPT = 16  # meshes on the GPU
 
 _handles: list[Any] = []
@@ -63,21 +64,54 @@ def draw() -> None:
         gpu.state.blend_set("NONE")
 
 
-def draw_slice() -> None:
-    """The same, in the viewport's corner."""
+def draw_plots() -> None:
+    """The same, as plots in the viewport's corner, in the colors of the theme's menus."""
     context = bpy.context
-    settings = context.scene.vgroove_viewer
-    if not settings.slice:
-        return
     _, wi = _light(context)
-    found = shown(context, wi, lobes.slice_of) if wi is not None else []
-    if wi is None or not found:
+    menu = context.preferences.themes[0].user_interface.wcol_menu_back
+    found = plots(context, wi, (*menu.text, 1.0)) if wi is not None else []
+    if not found:
         return
-    channel = _channel(settings)
-    peak = max(float(np.max(lobe.channel_of(one.rgb, channel))) for one, _ in found)
     tools = next((one for one in context.area.regions if one.type == "TOOLS"), None)
-    lines, words = viewer_slice.plotted(found, wi, channel, peak, log=settings.log)
-    viewer_slice.draw(lines, words, context.preferences.system.ui_scale, tools.width if tools else 0.0)
+    scale = context.preferences.system.ui_scale
+    left = (tools.width if tools else 0.0) + MARGIN * scale
+    viewer_plots.draw(found, scale, (left, MARGIN * scale), (*menu.inner[:3], SOLID))
+
+
+def plots(context: bpy.types.Context, wi: Floats, ink: tuple[float, ...]) -> list[viewer_plots.Plot]:
+    """Those that were asked for, of the lobes that are shown and of what was measured."""
+    settings = context.scene.vgroove_viewer
+    theta_i = float(np.degrees(np.arctan2(np.hypot(wi[0], wi[1]), wi[2])))
+    unit = f"{settings.term} in 1/sr" if settings.term in (lobes.BRDF, "D") else settings.term
+    if settings.term == lobes.BRDF and settings.times != "one":
+        unit = {"cos_o": "f cos θo", "cos_io": "f cos θi cos θo"}[settings.times] + " in 1/sr"
+    found = []
+    for plot in (name for name, *_ in viewer_plots.ITEMS if name in settings.plots):
+        curves = plot_curves(context, plot, wi)
+        if curves:
+            found.append(viewer_plots.plotted(plot, curves, theta_i, _channel(settings), ink, unit, log=settings.log))
+    return found
+
+
+def plot_curves(context: bpy.types.Context, plot: str, wi: Floats) -> list[viewer_plots.Curve]:
+    """Curves of materials of ours, then what was measured of any under this light."""
+    settings = context.scene.vgroove_viewer
+
+    def numbers(of: bpy.types.Material, wi: Floats, times: str, term: str, uvs: Any) -> Any:
+        found = lobes.curve_of(of, wi, plot, times, term, uvs)
+        return found and (of.name, found)
+
+    curves = [
+        viewer_plots.Curve(name, one.at[:, 0], one.rgb[""], color) for (name, one), color in shown(context, wi, numbers)
+    ]
+    if settings.term != lobes.BRDF:
+        return curves
+    for one, color in zip(viewer.candidates(context), COLORS, strict=False):
+        points = viewer_measure.points_of(one, wi, plot)
+        if points is not None:
+            rgb = points.weighted(settings.times)
+            curves.append(viewer_plots.Curve(one.name, points.at, rgb, color, measured=True))
+    return curves
 
 
 def _light(context: bpy.types.Context) -> tuple[Matrix | None, Floats | None]:
@@ -92,14 +126,16 @@ def _light(context: bpy.types.Context) -> tuple[Matrix | None, Floats | None]:
 def shown(
     context: bpy.types.Context, wi: Floats, what: Callable[..., Any] = lobes.of_material
 ) -> list[tuple[Any, tuple[float, float, float]]]:
-    """What to draw of each material, lobes or slices, with its color; nothing of what cannot be read."""
+    """What to draw of each material, lobes or curves, with its color; nothing of what cannot be read or is not ours."""
     settings = context.scene.vgroove_viewer
     times = settings.times if settings.term == lobes.BRDF else "one"
+    candidates = zip(viewer.candidates(context), COLORS, strict=False)
+    ours = [(one, color) for one, color in candidates if material.is_ours(one)]
     try:
-        both = [what(one, wi, times, settings.term) for one in viewer.materials(context)]
+        found = [(what(one, wi, times, settings.term, viewer.uvs_of(context.scene, one)), color) for one, color in ours]
     except ValueError:  # numbers that do not go together, too
         return []
-    return [(one, color) for one, color in zip(both, COLORS, strict=False) if one is not None]
+    return [(one, color) for one, color in found if one is not None]
 
 
 def peak_of(found: list[Lobe], settings: viewer.VGrooveViewer) -> float:
@@ -170,7 +206,7 @@ def register(*, background: bool | None = None) -> None:
     """Draw from now on; nothing where Blender has no window."""
     if bpy.app.background if background is None else background:
         return
-    for function, when in ((draw, "POST_VIEW"), (draw_slice, "POST_PIXEL")):
+    for function, when in ((draw, "POST_VIEW"), (draw_plots, "POST_PIXEL")):
         _handles.append(bpy.types.SpaceView3D.draw_handler_add(function, (), "WINDOW", when))
     bpy.app.handlers.depsgraph_update_post.append(changed)
 

@@ -84,9 +84,9 @@ def measure(name: str, subject: str, *, quick: bool) -> Accuracy:
 
 
 def roughness_of(preset: Preset) -> dict[str, float]:
-    """Its slope m and sigma, those that it has."""
+    """Its slope m, sigma and sharpness, those that it has."""
     found: dict[str, Any] = preset.parameters
-    return {name: float(found[name]) for name in ("m", "sigma") if name in found}
+    return {name: float(found[name]) for name in ("m", "sigma", "sharpness") if name in found}
 
 
 def size_of(subject: str) -> int:

@@ -30,6 +30,7 @@ PAIRS = (
     ("environment", "paint"),
     ("softbox", "paint"),
     ("environment", "marble"),
+    *((name, of) for of in ("brushed", "sheet", "walnut", "phong", "steel") for name in ("environment", "softbox")),
     ("checker", "frosted"),
     ("checker", "glass"),
 )
@@ -57,6 +58,11 @@ def subjects() -> dict[str, Preset]:
         "plastic": presets.find("plastics/red_plastic"),
         "paint": presets.find("car_paints/blue"),
         "marble": presets.find("translucent/marble"),
+        "brushed": presets.find("finished_metals/stainless_steel_hair_line").with_parameters(m=0.3),
+        "sheet": presets.find("finished_metals/rolled_steel_sheet"),
+        "walnut": presets.find("ashikhmin_shirley/varnished_walnut_as"),
+        "phong": presets.find("phong/phong_red_plastic"),
+        "steel": presets.find("merl_fits/black_oxidized_steel_merl"),
         "glass": presets.find("glasses/fused_silica"),
         "frosted": presets.find("glasses/frosted_glass"),
     }

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from ...addon.blender.course import DRIVINGS
+from ...addon.models import MODELS
 from ...addon.reference.hybrid import DEFAULT_BOUND
 from ...addon.reference.oren_nayar_fit import KINDS
 from ..check.rows import FLOAT_SUM, NOISY_ROWS, SETUPS, Row, Setup, share_within, spread_z
 from ..sidak import limit
 from . import stability_measures as measures
+from . import stability_models as models
 from . import stability_reference as reference
 from .cells import Case
 from .stability_measures import ALL, NOISY_CASES, Outcome
@@ -151,6 +153,17 @@ TABLE: tuple[Sweep, ...] = (
         )
         for law in ("exponential", "logistic")
         for driving in DRIVINGS
+    ),
+    *(
+        Sweep("models", f"{what}, {model}, {e}", values, partial(models.sky, e, of), FIT_MOST if e == "fit" else 1.0)
+        for model, (what, values, of) in models.VARIED.items()
+        for e in ("mirror", "fit", "closure")
+        if e in MODELS[model].estimators
+    ),
+    *(
+        Sweep("tangents", f"{model}, {e}", models.TANGENTS, partial(models.tangent, e, model), None, quick=False)
+        for model in models.GROOVED
+        for e in ("direct", "fit", "closure")
     ),
     *(Sweep("reference", what, values, measure, most, setups=()) for what, values, measure, most in reference.ROWS),
 )

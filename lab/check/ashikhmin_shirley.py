@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from ...addon.library.presets import Preset, parse
-from ...addon.models.ashikhmin_shirley import SHARPNESS
+from ...addon.models.ashikhmin_shirley import LAMBERT, SHARPNESS
 from ...addon.reference import albedo
 from ...addon.reference.ashikhmin_shirley_fit import slopes
 from .anisotropic import ROTATIONS, SUN_THETAS, TURNS
@@ -28,8 +28,10 @@ from .views import (
 MODEL = "ashikhmin_shirley"
 TEXT = """name = "Test"
 model = "ashikhmin_shirley"
+kind = {!r}
 albedo = {}
 specular = {}
+amplitude = {}
 sharpness = {!r}
 anisotropy = {!r}
 rotation = {!r}
@@ -37,34 +39,41 @@ rotation = {!r}
 data = "check"
 """
 DEEP = (0.3, 0.2, 0.5)
+TINTS = {"plain": (1.0, 1.0, 1.0), LAMBERT: (0.5, 0.4, 0.3)}
 SHAPES = ((0.6, 0.5), (1.0, 0.3), (0.45, 0.0), (0.3, 0.8), (0.2, 0.9), (0.1, 0.7))  # Roughness and anisotropy
 FEW_SHAPES = ((0.45, 0.8),)
 MIRROR_SHAPES = ((0.3, 0.8), (0.6, 0.6), (0.8, 1.0))
 FURNACE_SAMPLES = 1024
 SUN_ANGLE, SUN_SAMPLES = 30.0, {0.3: 5120, 0.6: 7168, 0.8: 15360}
-NOISY_ROWS = 17  # a test holds it to the plan
+NOISY_ROWS = 19  # a test holds it to the plan
 
 
 def material(
-    roughness: float, anisotropy: float, rotation: float, *, deep: tuple[float, ...] = DEEP, gray: bool = False
-) -> Preset:
+    roughness: float, anisotropy: float, rotation: float, kind: str = "plain", *, deep: tuple[float, ...] = DEEP,
+    gray: bool = False,
+) -> Preset:  # fmt: skip
     """A test material of numbers as float32 sockets hold them; ``gray``: a dielectric."""
     sharpness = min(max(SHARPNESS.scale.of_input(float(np.float32(roughness))), SHARPNESS.low), SHARPNESS.high)
-    colors = [[float(np.float32(part)) for part in rgb] for rgb in (deep, (0.04,) * 3 if gray else (0.2, 0.4, 0.6))]
+    colors = [
+        [float(np.float32(part)) for part in rgb]
+        for rgb in (deep, (0.04,) * 3 if gray else (0.2, 0.4, 0.6), TINTS[kind])
+    ]
     held = (float(np.float32(number)) for number in (anisotropy, rotation))
-    return parse(TEXT.format(*colors, sharpness, *held), "check/ashikhmin_shirley", "check")
+    return parse(TEXT.format(kind, *colors, sharpness, *held), "check/ashikhmin_shirley", "check")
 
 
 def exact_row(estimator: str, setup: Setup, anisotropy: float, turn: int, roughness: float) -> Row:
     """An estimator without noise under a sun of zero size; ``corrected`` is the formula itself there."""
     phi_i, tangent, rotation = TURNS[turn]
-    preset = material(roughness, anisotropy, rotation, gray=turn == 1)
+    kind = LAMBERT if turn == 2 else "plain"
+    preset = material(roughness, anisotropy, rotation, kind, gray=turn == 1)
     narrowest = min(slopes(preset.reference().n_u, preset.reference().n_v))
     bar = direct_bar(roughness**2) if estimator == "direct" else closure_bar(narrowest)
     if estimator == "direct" and setup.shading_osl:
         bar = max(bar, 1e-4)  # OSL's exp() and sqrt() round to 1e-6 and less
     at = {"roughness": roughness, "anisotropy": anisotropy, "turn": turn}
-    return noiseless_row(estimator, setup, preset, bar, variant="", at=at, phi_i=phi_i, tangent=tangent)
+    variant = preset.spec.kinds[kind]
+    return noiseless_row(estimator, setup, preset, bar, variant=variant, at=at, phi_i=phi_i, tangent=tangent)
 
 
 def furnace_row(setup: Setup, anisotropy: float, rotation: float, roughness: float) -> Row:
@@ -86,11 +95,12 @@ def sun_row(setup: Setup, anisotropy: float, turn: int, roughness: float) -> Row
     return Row("mirror, sun", setup, MODEL, "", at, views, NOISY_ROWS)
 
 
-def deep_row(setup: Setup, roughness: float) -> Row:
+def deep_row(setup: Setup, kind: str, roughness: float) -> Row:
     """``mirror`` of both parts, between which Cycles chooses, under a uniform white world."""
-    preset = material(roughness, 0.0, 0.0)
+    preset = material(roughness, 0.0, 0.0, kind)
     view = furnace_view(preset, setup, "mirror", albedo(preset.reference(), furnace_directions())[:, None])
-    return Row("mirror, furnace, both", setup, MODEL, "", {"roughness": roughness}, [view], NOISY_ROWS)
+    variant = preset.spec.kinds[kind]
+    return Row("mirror, furnace, both", setup, MODEL, variant, {"roughness": roughness}, [view], NOISY_ROWS)
 
 
 def wide_row(setup: Setup, roughness: float) -> Row:
@@ -112,7 +122,8 @@ def plan() -> Plan:
                 rows += [partial(exact_row, name, setup, 0.8, k, 0.45) for k in range(len(TURNS))]
         if not few:
             rows += [partial(sun_row, setup, a, k, r) for k, (r, a) in enumerate(MIRROR_SHAPES, 1)]
-            rows += [partial(of, setup, 0.6) for of in (deep_row, wide_row)]
+            rows += [partial(deep_row, setup, kind, 0.6) for kind in TINTS]
+            rows.append(partial(wide_row, setup, 0.6))
         turned = [
             (r, a, rotation) for (r, a), rotation in zip(MIRROR_SHAPES, ROTATIONS, strict=True) if r == 0.6 or not few
         ]

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .published import Published
 
 MARKED = re.compile(r"<!-- report (\S+) -->(.*?)<!-- /report -->", re.DOTALL)
-PAGES = ("README.md", "docs/*.md")
+PAGES = ("README.md", "docs/**/*.md")
 LONGEST_PAGE = 10_000_000  # bytes
 SPEED_SCENES = ("environment", "softbox", "sun")
 PEER = "Metallic BSDF"  # whose time and noise are 1
@@ -103,12 +103,6 @@ def _number(value: Any, form: str) -> str:
 
 def _markdown(columns: Any, rows: Any) -> str:
     return "\n".join(summary.table(columns, rows))
-
-
-def _summary(found: Published) -> str:
-    """Of the default Blender; report.md has the others'."""
-    blender, run = next(iter(found.runs.items()))
-    return "\n".join([f"Blender {blender}:", "", *(f"- {line}" for line in run.headlines)])
 
 
 def _fit_worst(found: Published, highest: float) -> str:
@@ -233,13 +227,14 @@ def _fit_time(found: Published, scene: str) -> str:
     return times(curves["fit, nodes"].seconds_per_sample / curves["closure, nodes"].seconds_per_sample)
 
 
-def _parameters(rows: Iterable[tuple[str, Parameter, str]], first: str) -> str:
-    """Parameters as specs have them, and the labels of their inputs."""
+def parameter_table(rows: Iterable[tuple[str, Parameter, str]], first: str = "") -> str:
+    """Parameters as specs have them, and the labels of their inputs; first: what the rows' first column is, if any."""
     columns = [first, "in the file", "in Blender", "range", "unit", "what Blender says of it"]
     texts = [
         [name, f"`{one.name}`", label, f"{one.low:g} to {one.high:.4g}", one.unit, one.tip] for name, one, label in rows
     ]
-    return _markdown(columns, texts)
+    kept = slice(0 if first else 1, None)
+    return _markdown(columns[kept], [row[kept] for row in texts])
 
 
 def _models(_found: Published) -> str:
@@ -249,17 +244,18 @@ def _models(_found: Published) -> str:
         for model in MODELS.values()
         for one in dict.fromkeys((*model.parameters, *model.lobes))
     ]
-    return _parameters(rows, "model")
+    return parameter_table(rows, "model")
 
 
 def _fresnel(_found: Published) -> str:
-    return _parameters([(of.label, one, one.label) for of in fresnel.KINDS.values() for one in of.parameters], "term")
+    return parameter_table(
+        [(of.label, one, one.label) for of in fresnel.KINDS.values() for one in of.parameters], "term"
+    )
 
 
 FIGURES: dict[str, Callable[[Published], str]] = {
     "models": _models,
     "fresnel": _fresnel,
-    "summary": _summary,
     "fit.gentle": partial(_fit_worst, highest=0.4),
     "fit.rough": partial(_fit_worst, highest=1.0),
     "fit.l1": _fit_l1,

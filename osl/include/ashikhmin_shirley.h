@@ -33,6 +33,23 @@ float entering(float cosine)
     return half_cosine * (5 - half_cosine * (10 - half_cosine * (10 - half_cosine * (5 - half_cosine))));
 }
 
+// Of the diffuse part Rd (1 - Rs), and pi f over that: 28/23 a(n.l) a(n.v). Over Lambert, of kind 1, Rd and 1
+color deep(int kind, color albedo, color specular)
+{
+    return kind == 1 ? albedo : albedo * (1 - specular);
+}
+
+float scattered(int kind, float ni, float no)
+{
+    return kind == 1 ? 1 : 28.0 / 23 * entering(ni) * entering(no);
+}
+
+// What enters toward the viewer, of Rd
+color entered(int kind, color albedo, color specular, float no)
+{
+    return deep(kind, albedo, specular) * (kind == 1 ? 1 : entering(no));
+}
+
 // A facet by p(h): the paper's section 4.1
 vector ashikhmin_facet(normal n0, vector T, vector B, float n_u, float n_v, vector seed)
 {
@@ -44,14 +61,16 @@ vector ashikhmin_facet(normal n0, vector T, vector B, float n_u, float n_v, vect
 }
 
 // Color of Cycles' own highlight, F0 of the Beckmann lobe and its weight: split of addon/reference/ashikhmin_shirley_fit.py
-color split(color specular, float weight, float more, float flat, float rise, float mean, output color f0, output float part)
+color split(color specular, color amplitude, float weight, float more, float flat, float rise, float mean, output color f0, output float part)
 {
     float least = min(min(specular[0], specular[1]), specular[2]), most = max(1 - least, 1e-7);
     float highest = max(max(specular[0], specular[1]), specular[2]);
     float share = rise / (rise + COLORED * (highest - least) + 1e-6);
     f0 = 1 - (1 - specular) / most;
-    part = most * share * weight;
-    return specular - share * flat * (specular - least) + (1 - specular) * mix(mean, more, share);
+    float dimmest = min(min(amplitude[0], amplitude[1]), amplitude[2]);
+    part = dimmest * most * share * weight;
+    color fitted = specular - share * flat * (specular - least) + (1 - specular) * mix(mean, more, share);
+    return dimmest * fitted + (amplitude - dimmest) * (specular + mean * (1 - specular));
 }
 
 // The Beckmann lobe's slopes along its tangent and across it, as Metallic BSDF makes them

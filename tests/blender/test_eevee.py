@@ -187,6 +187,8 @@ def brushed(preset):
 
 MATTE, COATED, MIXED, BRUSHED = "plaster", "abs_plastic", "metals/copper", "finished_metals/gold_ground"
 GLOSSY, SHEET = "phong/phong_red_plastic", "finished_metals/rolled_steel_sheet"
+RIBBON, STEEL = "ashikhmin_shirley/satin_ribbon_ruby_as", "merl_fits/black_oxidized_steel_merl"
+OAK = "merl_fits/pickled_oak_260_merl_as"
 TANGENT = 0.9, 0.3, 0.2
 
 
@@ -201,13 +203,14 @@ def test_eevee_shows_the_formula_at_every_light(blender):
         return
     shown = cells_stage([partial(standard, MATTE), partial(standard, COATED), partial(half_of, MIXED),
                          partial(brushed, BRUSHED), partial(standard, GLOSSY), partial(brushed, SHEET),
+                         partial(brushed, RIBBON), partial(standard, STEEL), partial(standard, OAK),
                          partial(without_formula, MATTE)])  # fmt: skip
     lights, usual = add_lights(shown), shown.eevee.light_threshold
     shown.eevee.light_threshold = 1e-5  # by its own, lights fade with distance: 5 % at 60 m
     at_lights = seen(shown)
     # Of a narrow lobe EEVEE's own closure, whose color is cut to 6 bits, holds most of what is shown
-    subjects = (MATTE, 1.0, 0.005), (COATED, 1.0, 0.005), (MIXED, 0.5, 0.005), (BRUSHED, 1.0, 0.005)
-    for k, (preset, share, bar) in enumerate((*subjects, (GLOSSY, 1.0, 0.005), (SHEET, 1.0, 2.0 * PACKED))):
+    for k, preset in enumerate((MATTE, COATED, MIXED, BRUSHED, GLOSSY, SHEET, RIBBON, STEEL, OAK)):
+        share, bar = 0.5 if preset == MIXED else 1.0, 2.0 * PACKED if preset == SHEET else 0.005
         wanted = share * expected(presets.find(preset).reference(), k * CELLS)
         np.testing.assert_allclose(at_lights[k], wanted, atol=bar * wanted.max(), rtol=0.0, err_msg=preset)
 

@@ -93,13 +93,13 @@ def _ward(preset, of):
     return {key: value for key, value in found.items() if key != "roughness"}
 
 
-def _ashikhmin_shirley(_preset, of):
+def _ashikhmin_shirley(preset, of):
     """As Phong, but for what enters the surface: below the share Rs of a mixture with a metal."""
-    specular, rough = np.array(of["specular"]), (2.0 / (of["sharpness"] + 2.0)) ** 0.25
+    specular, rough = np.array(of["specular"]) * of["amplitude"], (2.0 / (of["sharpness"] + 2.0)) ** 0.25
     if specular.max() <= 0.25:
         index = (1.0 + specular.max() ** 0.5) / (1.0 - specular.max() ** 0.5)
         return {"color": of["albedo"], "metallic": 0.0, "ior": index, "roughness": rough}
-    total = specular + (1.0 - specular) * np.array(of["albedo"])
+    total = specular + (1.0 - np.array(of["specular"]) * (preset.kind == "plain")) * of["albedo"]
     return {"color": total, "metallic": specular.mean() / total.mean(), "specular": 0.0, "roughness": rough}
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sphere that gives every entry of a MERL table, against the reference at the cells' centres."""
 
+import bpy
 import numpy as np
 import pytest
 
@@ -82,7 +83,7 @@ def test_a_plain_surface_of_blenders_own_is_reciprocal_lambert(blender):
 
 
 def test_what_depends_on_the_azimuth_is_refused(blender):
-    """A material whose colour depends on the place, and an anisotropic one where Blender has tangents on a sphere."""
+    """A material whose colour depends on the place, and anisotropic ones: Blender's, one within a group, and ours."""
 
     def textured(scene):
         material = principled()(scene)
@@ -94,9 +95,27 @@ def test_what_depends_on_the_azimuth_is_refused(blender):
 
     with pytest.raises(gonio_merl.AnisotropicError, match="when it is turned"):
         band(textured, 0)
-    if versions.POINT_TANGENTS:
-        with pytest.raises(gonio_merl.AnisotropicError, match="when it is turned"):
-            band(principled(Metallic=1.0, Roughness=0.4, Anisotropic=0.8), 0)
+    brushed = principled(Metallic=1.0, Roughness=0.4, Anisotropic=0.8)
+
+    def grouped(scene):
+        inner = bpy.data.node_groups.new("Inner", "ShaderNodeTree")
+        inner.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
+        node, out = inner.nodes.new("ShaderNodeBsdfAnisotropic"), inner.nodes.new("NodeGroupOutput")
+        node.inputs["Anisotropy"].default_value, node.inputs["Roughness"].default_value = 0.8, 0.4
+        inner.links.new(node.outputs[0], out.inputs[0])
+        material = principled()(scene)
+        group, tree = material.node_tree.nodes.new("ShaderNodeGroup"), material.node_tree
+        group.node_tree = inner
+        tree.links.new(group.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+        return material
+
+    of = next(one for one in presets.shipped().values() if one.model == "anisotropic")
+    _, ours = of_preset(of.id, "closure", anisotropy=0.8)
+    for one in (brushed, grouped, ours):
+        with pytest.raises(gonio_merl.AnisotropicError, match="set its Anisotropic"):
+            band(one, 0)
+    assert gonio_merl.is_anisotropic(brushed(None))
+    assert not gonio_merl.is_anisotropic(principled(Metallic=1.0)(None))
 
 
 def test_nothing_is_left_behind(blender):

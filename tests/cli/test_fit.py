@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``vgroove fit``: a measured BRDF as a preset."""
 
+import re
+
+import numpy as np
 import pytest
 
 from vgroove.addon.library.presets import load
 from vgroove.addon.measured import tabulate, write_merl
 from vgroove.addon.reference import CookTorrance, Lambert, Schlick, Sum
+from vgroove.lab import plots
 
 from ..commands import patient
 from ..measured.makers import utia_bytes
@@ -43,6 +47,25 @@ def test_the_table_itself_is_a_preset(file):
     assert of.reference().albedo.shape == (3,)
 
 
+@pytest.mark.parametrize(("ending", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml")])
+def test_the_residual_is_plotted(file, monkeypatch, ending, begins):
+    """One line for each number of lobes, in a figure of the same numbers as the table."""
+    shown = []
+    draw = plots.residuals
+    monkeypatch.setattr(plots, "residuals", lambda *of: shown.append(of) or draw(*of))
+    arguments = ("--model", "ward", "-o", "red.toml", "--plot", f"red.{ending}")
+    done = patient("fit", "Rot 1.binary", *arguments)
+    assert done.code == 0, done.err
+    assert (file.folder / f"red.{ending}").read_bytes().startswith(begins)
+    ((angles, shares, title),) = shown
+    assert title == "Rot 1: ward, metric l1"
+    assert list(shares) == ["1 lobe"]
+    for angle, share in zip(angles, shares["1 lobe"], strict=True):
+        assert re.search(rf"{angle} degrees\W+{100.0 * share:.2f}", done.out)
+    lines = draw((0, 45), {"1 lobe": (0.1, 0.2), "2 lobes": (0.05, 0.06)}, "x").axes[0].lines
+    np.testing.assert_allclose([line.get_ydata() for line in lines], [[10.0, 20.0], [5.0, 6.0]])
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -50,6 +73,9 @@ def test_the_table_itself_is_a_preset(file):
         (["Rot 1.binary", "-o", "none/red.toml"], "does not exist"),
         (["Rot 1.binary", "-o", "red.toml", "--lobes", 5], "from 1 to 4"),
         (["Rot 1.binary", "-o", "red.toml", "--lobes", 4, "--model", "generator"], "at most 3"),
+        (["Rot 1.binary", "-o", "red.toml", "--lobes", 2, "--model", "ward"], "at most 1"),
+        (["Rot 1.binary", "-o", "red.toml", "--plot", "red.pdf"], "use .png or .svg"),
+        (["Rot 1.binary", "-o", "red.toml", "--plot", "red.png", "--model", "measured"], "leaves nothing"),
         (["none.binary", "-o", "red.toml"], "none.binary"),
         (["a.bin", "-o", "red.toml"], "a.bin: is anisotropic"),
         (["a.bin", "-o", "red.toml", "--model", "measured"], "a.bin: is anisotropic"),

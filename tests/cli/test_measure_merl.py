@@ -116,7 +116,5 @@ def test_wrong_input_ends_with_one_line(materials, arguments, says):
 
 def test_an_anisotropic_preset_is_refused(line):
     """Nothing is written, not even what would be resumed."""
-    if not versions.POINT_TANGENTS:
-        return
     brushed = next(one.id for one in presets.all_presets().values() if one.model == "anisotropic")
-    assert "when it is turned" in line.refuses("measure", brushed, *MERL)
+    assert "isotropic surfaces" in line.refuses("measure", brushed, *MERL)

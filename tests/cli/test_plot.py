@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from vgroove.addon.library import presets
+from vgroove.addon.measured import curves
 from vgroove.addon.reference import Lambert, lobe, spherical
 from vgroove.cli import environment, plot
-from vgroove.lab import curves, plots
+from vgroove.lab import plots
 
 from ..commands import vgroove
 from ..measured.makers import utia_bytes

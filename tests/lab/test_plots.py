@@ -11,10 +11,10 @@ import pytest
 from vgroove.addon.library import presets
 from vgroove.addon.library.errors import InputError
 from vgroove.addon.measured import Merl, tabulate
+from vgroove.addon.measured.curves import MOST, csv_text, numbers
 from vgroove.addon.measured.merl import half_and_difference
 from vgroove.addon.reference import Anisotropic, CookTorrance, Lambert, OrenNayar, Schlick, albedo, lobe, spherical
 from vgroove.lab import plots
-from vgroove.lab.curves import MOST, csv_text, numbers
 
 COPPER = CookTorrance(0.3, Schlick((0.95, 0.64, 0.54)))
 GREY = Lambert([0.6, 0.3, 0.1])

@@ -9,8 +9,8 @@ from vgroove.addon.blender import gonio
 from vgroove.addon.library import presets
 from vgroove.addon.reference.fresnel import fresnel_conductor, schlick
 from vgroove.headless import scene
-from vgroove.lab.bench import contenders, mitsuba_peer, mitsuba_scenes, scene_table, scenes
-from vgroove.lab.bench.peers import cook_torrance
+from vgroove.lab.bench import contenders, mitsuba_peer, mitsuba_scenes, peers, scene_table, scenes
+from vgroove.lab.bench.peers import cook_torrance, exported
 from vgroove.nodegroups import versions
 
 SIZE, SAMPLES, SEEDS = 16, 128, 8
@@ -55,9 +55,9 @@ def test_the_nearest_bsdf_has_the_numbers_of_its_preset():
 
 
 def test_every_subject_of_the_report_has_a_peer_that_says_how_it_differs():
-    """Whatever accuracy renders, and the smooth forms of it; car paint and what scatters below have none."""
+    """All that accuracy renders, and smooth forms of it; car paint, scattering bodies and ``exported`` have none."""
     for preset in contenders.subjects().values():
-        if preset.model in {"car_paint", "translucent"}:
+        if preset.model in {"car_paint", "translucent"} or peers.of(preset) is exported:
             continue
         assert mitsuba_peer.nearest(preset)["type"] in mitsuba_peer.DIFFERS
         if "m" in preset.parameters:

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.blender
 
 GROUPS = {
     "slope", "grazing", "fresnel", "oren_nayar", "glass", "layers", "range", "origin", "scale", "filter", "motion",
-    "instances", "bounces", "course", "reference",
+    "instances", "bounces", "course", "models", "tangents", "reference",
 }  # fmt: skip
 CHEAP = ("range", "origin", "scale", "filter", "motion", "instances", "bounces", "course")
 

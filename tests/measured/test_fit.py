@@ -10,6 +10,7 @@ from vgroove.addon.library.writing import dumps
 from vgroove.addon.measured import Merl, fit, lobes, tabulate
 from vgroove.addon.measured.utia import read_utia
 from vgroove.addon.reference import CookTorrance, Lambert, Schlick, spherical
+from vgroove.addon.reference.ward import Ward
 
 from .makers import utia_bytes
 
@@ -39,6 +40,13 @@ specular = [0.8, 0.6, 0.4]
 eta = 1.8
 [[distribution]]
 abc = [2000.0, 1.2]
+"""
+
+WARD = """model = "ward"
+albedo = [0.3, 0.2, 0.1]
+specular = [0.2, 0.3, 0.4]
+m = {m}
+anisotropy = 0.0
 """
 
 
@@ -85,6 +93,17 @@ def test_a_distribution_is_found_again(metric):
     assert best.distribution[0].numbers == pytest.approx((2000.0, 1.2), rel=0.01)
 
 
+@pytest.mark.parametrize("metric", ["log", "l1"])
+@pytest.mark.parametrize("m", [0.05, 0.3])
+def test_wards_gaussian_is_found_again(m, metric):
+    """Each number within 1 %, and it stays round."""
+    wanted = made(WARD.format(m=m))
+    of = fitted(wanted, 1, metric, "ward")
+    assert of.keys() == wanted.parameters.keys()
+    for name, value in wanted.parameters.items():
+        assert of[name] == pytest.approx(value, rel=0.01), name
+
+
 def test_pairs_evaluate_as_the_reference_does():
     """To rounding: F D G over the same pairs, one by its factors at few angles and one by itself."""
     pairs = lobes.Pairs()
@@ -92,6 +111,9 @@ def test_pairs_evaluate_as_the_reference_does():
     found = lobes.Lobe().evaluate(pairs, np.array([np.log(0.1), 0.5, 0.6, 0.4, 0.2, 1.0, 1.0, 1.0]))
     expected = 0.5 * of.evaluate(pairs.wi, pairs.wo)
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())  # tan^2 of 88 degrees in exp()
+    found = lobes.Gaussian().evaluate(pairs, np.array([0.6, 0.4, 0.2, np.log(0.1)]))
+    expected = Ward([0.0] * 3, [0.6, 0.4, 0.2], 0.1, 0.1).evaluate(pairs.wi, pairs.wo)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())
 
 
 def test_pairs_weigh_what_a_white_surface_reflects():

@@ -27,6 +27,8 @@ def examples():
             terms = fresnel.KINDS[kind].parameters if model.has_fresnel else ()
             numbers = {one.name: one.default for one in (*model.parameters, *terms)}
             numbers |= {f"{one.name}_1": one.default for one in model.lobes}
+            if (name, kind) == ("ashikhmin_shirley", "lambert"):  # by itself each number is as bright as it may be
+                numbers["amplitude"] = (0.7, 0.6, 0.5)
             for flags in [(), *((flag,) for flag in model.flags)]:
                 preset = presets.Preset(
                     f"test/{name}",

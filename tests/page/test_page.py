@@ -15,9 +15,16 @@ from vgroove.addon.library import presets
 from vgroove.addon.reference import albedo, spherical
 from vgroove.viewer import page
 
-_spec = importlib.util.spec_from_file_location("browser", Path(__file__).parents[2] / "tools" / "browser.py")
-browser = sys.modules["browser"] = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(browser)
+
+def _load(name):
+    """A script of tools/."""
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).parents[2] / "tools" / f"{name}.py")
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+browser, axe = _load("browser"), _load("axe")
 
 NAMES = ("copper", "diffuse/plaster", "bone_china", "alum_bronze_merl", "vinyl_record", "car_paints/blue", "alabaster",
          "phong/phong_red_plastic")  # fmt: skip
@@ -167,3 +174,30 @@ def test_everything_that_can_be_focused_has_a_name(opened):
     ]
     assert len(focusable) > 40
     assert [one["role"]["value"] for one in focusable if not one.get("name", {}).get("value")] == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_serious_fault(chromium, path, scheme):
+    """As the page opens, and with one BRDF alone; a control without a name is found."""
+    chromium.open(path, scheme=scheme)
+    assert axe.serious(chromium) == []
+    chromium.run("document.querySelector('button.solo').click()")
+    assert axe.serious(chromium) == []
+    chromium.run("document.querySelector('[aria-label=Channel]').removeAttribute('aria-label')")
+    assert [rule for _, rule, *_ in axe.serious(chromium)] == ["select-name"]
+
+
+def test_it_prints_on_white_with_its_names(chromium, path):
+    """Also where the screen is dark: names stand above the plots, and controls that do nothing on paper are gone."""
+    chromium.open(path, scheme="dark", media="print", size=(794, 1123))
+    found = chromium.run(
+        """const seen = (one) => one.getClientRects().length > 0, top = (one) => one.getBoundingClientRect().top;
+        return {back: getComputedStyle(document.body).backgroundColor,
+          names: [...document.querySelectorAll(".item .name")].filter(seen).length,
+          below: top(document.querySelector("main")) - top(document.querySelector("aside")),
+          wide: document.documentElement.scrollWidth,
+          rest: [...document.querySelectorAll("#view button, .group, .solo, .remove, .add")].filter(seen).length};"""
+    )
+    assert (found["back"], found["names"], found["rest"]) == ("rgb(255, 255, 255)", len(NAMES), 0)
+    assert found["below"] > 0
+    assert found["wide"] <= 794

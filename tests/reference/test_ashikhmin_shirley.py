@@ -92,6 +92,22 @@ def test_the_tangent_turns_the_model(n_u, n_v):
     np.testing.assert_allclose(f, exchanged, rtol=1e-8, atol=1e-12 * f.max())
 
 
+SCALED = {"amplitude": (0.1, 0.6, 0.5), "over_lambert": True}  # over RD
+
+
+@BOTH
+def test_over_lambert_the_highlight_is_scaled(n_u, n_v):
+    """f = amplitude f_s + Rd/pi, f_s the paper's; reciprocal; as much light by the albedo's quadrature."""
+    wi, wo = directions()
+    paper, scaled = AshikhminShirley(0.0, COLOR, n_u, n_v, 0.7), AshikhminShirley(RD, COLOR, n_u, n_v, 0.7, **SCALED)
+    expected = np.array(SCALED["amplitude"]) * paper.evaluate(wi, wo) + np.array(RD) / np.pi
+    np.testing.assert_allclose(scaled.evaluate(wi, wo), expected, rtol=1e-14)
+    np.testing.assert_allclose(scaled.evaluate(wo, wi), expected, rtol=1e-13)
+    found = np.array(SCALED["amplitude"]) * albedo(paper, VIEWS) + np.array(RD)
+    np.testing.assert_allclose(albedo(scaled, VIEWS), found, rtol=1e-14)
+    assert found.max() <= 1.0
+
+
 @pytest.mark.parametrize("f0", [0.0, 0.05, 0.5, 1.0])
 def test_no_view_gets_more_light_than_arrives(f0):
     """With a white diffuse part, to 89.5 degrees, exponents 0 to 1e5, ratios to 1000:1."""
@@ -162,6 +178,8 @@ def test_bad_numbers_are_refused():
         AshikhminShirley(0.5, 1.5, 10.0, 10.0)
     with pytest.raises(ValueError, match="exponents must be between 0 and 100000000, got -1"):
         AshikhminShirley(0.5, 0.5, 10.0, -1.0)
+    with pytest.raises(ValueError, match=r"albedo \+ amplitude must be at most 1, got 1\.1"):
+        AshikhminShirley(0.5, 0.5, 10.0, 10.0, amplitude=0.6, over_lambert=True)
 
 
 # --- Cycles' closures -------------------------------------------------------------------------------------------------
@@ -208,6 +226,16 @@ def test_fit_of_a_colored_metal_is_near_in_each_channel():
     for n in (100.0, 1000.0):
         model = AshikhminShirley(0.0, (1.0, 0.77, 0.34), n, n)
         assert max(l1(model, degrees).max() for degrees in (0.0, 30.0, 45.0, 60.0, 75.0)) <= 5.3
+
+
+def test_fit_of_a_coloured_amplitude_is_near_in_each_channel():
+    """The dimmest channel as ever; what the others have more has the mean of F, which is ``closure``'s error."""
+    for amplitude, bar in (((0.0366, 0.0277, 0.0244), 5.5), ((0.108, 0.0733, 0.0559), 8.0)):
+        model = AshikhminShirley(0.0, 0.0949, 300.0, 300.0, amplitude=amplitude, over_lambert=True)
+        found = np.array([l1(model, degrees) for degrees in (0.0, 45.0, 75.0)])
+        assert found.max() <= bar
+        even = l1(replace(model, amplitude=amplitude[2]), 75.0)
+        np.testing.assert_allclose(found[-1, 2], even[2], rtol=1e-12)
 
 
 def test_the_distance_tells_closure_from_fit():

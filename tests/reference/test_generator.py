@@ -143,6 +143,14 @@ def test_no_facet_is_drawn_far_too_rarely(of):
     assert (of(h) / of.drawn_density(h)).max() < 4.0
 
 
+@pytest.mark.parametrize("kind", ["beckmann", "ggx", "exponential"])
+def test_facets_narrower_than_lobes_may_be_keep_their_light(kind):
+    """Slope 1e-4 as 1e-3: the nearest lobes by L1 would have a twentieth of it."""
+    narrow, least = (beckmann_terms(Distribution((Term(kind, (m,)),))) for m in (1e-4, 1e-3))
+    assert narrow == least
+    assert sum(weight for weight, _ in narrow) > 0.8
+
+
 @pytest.mark.parametrize(
     ("name", "most"),
     [("beckmann", 1e-3), ("ggx", 0.02), ("exponential", 0.02), ("abc", 0.12), ("wide abc", 0.02), ("two slopes", 0.02)],

@@ -21,6 +21,13 @@ class Recorder:
         self.buttons.append((name, text))
         return type("Properties", (), {})()
 
+    def progress(self, *, factor=0.0, text=""):
+        assert 0.0 <= factor <= 1.0
+        self.texts.append(text)
+
+    def template_icon(self, *, icon_value=0, scale=1.0):
+        assert icon_value >= 0  # none without a window
+
     def template_icon_view(self, owner, name, **_):
         assert name in owner.bl_rna.properties
 

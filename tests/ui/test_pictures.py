@@ -78,10 +78,10 @@ def test_a_picture_that_is_not_ready_follows_its_preset(extension, folder):
 
     save(extension, "Old Gold")
     pictures._look()
-    ((process, _),) = pictures._running.values()
+    (job,) = pictures._running.values()
     with headless.quiet():
         extension.ops.vgroove.rename_preset(name="Older Gold")
-    assert process.poll() is not None
+    assert not job.is_running
     assert pictures._waiting == ["mine/older_gold"]
     with headless.quiet():
         extension.ops.vgroove.delete_preset()
@@ -121,9 +121,9 @@ def test_switched_off_it_leaves_no_process_behind(extension, folder, monkeypatch
     monkeypatch.setattr(pictures, "command", lambda _one: [sys.executable, "-c", "import time; time.sleep(60)"])
     pictures.request("mine/old_gold")
     pictures._look()
-    ((process, _),) = pictures._running.values()
+    (job,) = pictures._running.values()
     pictures.unregister()
-    assert process.poll() is not None
+    assert not job.is_running
     assert not extension.app.timers.is_registered(pictures._look)
 
 
@@ -141,13 +141,11 @@ def test_blender_as_a_module_renders_none(extension, own_folder):
 @pytest.mark.once
 def test_the_other_blender_renders_the_picture(extension, own_folder, tmp_path):
     """By its script alone, with no vgroove to import: gold is yellow, as its shipped picture."""
-    from vgroove.addon.ui import pictures
+    from vgroove.addon.ui import background, pictures
 
     save(extension, "Old Gold")
     path = tmp_path / "pictures" / "mine" / "old_gold.webp"
-    script = "import sys; sys.modules['vgroove'] = None\n" + pictures.SCRIPT.format(
-        name="vgroove_pictures", root=str(pictures.ROOT)
-    )
+    script = "import sys; sys.modules['vgroove'] = None\n" + background.script(pictures.MODULE)
     subprocess.run([sys.executable, "-c", script, "--", "mine/old_gold", str(path)], check=True, capture_output=True)
     picture = np.asarray(Image.open(path).convert("RGB"), float)
     assert np.all(np.diff(picture[60:110, 100:150].mean(axis=(0, 1))) < -20.0)

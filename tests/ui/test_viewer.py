@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 import vgroove
 from vgroove import headless
-from vgroove.addon.blender import lobes, material
+from vgroove.addon.blender import lobes, material, texel
 from vgroove.addon.library import presets
 from vgroove.addon.reference import lobe, spherical
 
@@ -47,32 +47,6 @@ def test_the_lobe_is_the_reference_s(stage):
     ((with_cosine, _),) = shown(stage, wi)
     # At the rim the cosine is 1e-6, which the two sides of the plane of incidence round by 1e-16 differently.
     assert_allclose(with_cosine.rgb, found.rgb * found.wo[..., 2:], rtol=1e-9)
-
-
-def test_the_slice_is_the_reference_s_and_names_its_peak(stage):
-    """As long as the peak at the peak; the light at the left."""
-    from vgroove.addon.ui import viewer_draw, viewer_slice
-
-    wi = spherical(radians(60.0), radians(20.0))
-    ((found, color),) = shown(stage, wi, lobes.slice_of)
-    wo = lobe.slice_directions(found.theta_o, 20.0)
-    assert_allclose(found.rgb, COPPER.reference().evaluate(wi, wo), rtol=2e-6)
-    assert shown(stage, wi, lobes.slice_of)[0][0] is found
-    peak = lobe.channel_of(found.rgb, "luminance").max()
-    for log in (False, True):
-        lines, words = viewer_slice.plotted([(found, color)], wi, "luminance", peak, log=log)
-        curve, rgba, _ = lines[-1]
-        assert rgba[:3] == color
-        far = np.hypot(*curve.T)
-        assert far.max() == pytest.approx(1.0, abs=1e-12)
-        assert np.degrees(np.arctan2(*curve[far.argmax()])) == pytest.approx(80.0, abs=0.5)
-        light = next(points for points, of, _ in lines if of == viewer_slice.GOLD)
-        assert np.degrees(np.arctan2(*light[1])) == pytest.approx(-60.0, abs=1e-3)
-        texts = [text for text, *_ in words]
-        assert f"peak {peak:.3g} at 80.0°" in texts
-        assert f"{peak:.2g}" in texts
-        assert f"{peak * (1e-2 if log else 0.5):.2g}" in texts
-    assert viewer_draw.COLORS[0] == color
 
 
 @pytest.mark.parametrize("term", ["D", "G", "F"])
@@ -159,15 +133,15 @@ def test_a_picked_point_has_its_surface_s_normal(stage):
 
     scene, graph = stage.context.scene, stage.context.evaluated_depsgraph_get()
     down = lobes.Vector((0.0, 0.0, -1.0))
-    found = lobes.surface_at(scene, graph, lobes.Vector((0.2, 0.3, 9.0)), down)
-    viewer.stand_at(scene, *found)
+    found = texel.surface_at(scene, graph, lobes.Vector((0.2, 0.3, 9.0)), down)
+    viewer.stand_at(scene, found)
     at = viewer.frame(scene)
     assert_allclose(np.array(at.translation), [0.2, 0.3, 1.0], atol=1e-6)
     assert_allclose(np.array(at.to_3x3()), np.eye(3), atol=1e-6)
     assert (settings_of(stage).place, settings_of(stage).show) == ("POINT", True)
-    _, normal = lobes.surface_at(scene, graph, lobes.Vector((0.2, 0.3, 0.0)), down)
-    assert_allclose(np.array(normal), [0.0, 0.0, 1.0], atol=1e-6)
-    assert lobes.surface_at(scene, graph, lobes.Vector((9.0, 9.0, 9.0)), down) is None
+    inner = texel.surface_at(scene, graph, lobes.Vector((0.2, 0.3, 0.0)), down)
+    assert_allclose(np.array(inner.normal), [0.0, 0.0, 1.0], atol=1e-6)
+    assert texel.surface_at(scene, graph, lobes.Vector((9.0, 9.0, 9.0)), down) is None
 
 
 @pytest.mark.parametrize(
@@ -194,11 +168,13 @@ def test_frames_are_rotations_whose_z_axis_is_the_normal(blender, normal):
     assert_allclose(found[:3, 2], normal, atol=1e-6)
 
 
-def test_the_panel_says_why_nothing_is_drawn(stage):
-    from vgroove.addon.ui import viewer
+def test_the_panel_says_why_nothing_is_drawn(stage, monkeypatch):
+    from vgroove.addon.ui import viewer_measure, viewer_panel
+
+    monkeypatch.setattr(viewer_measure, "unavailable", lambda: "")
 
     def said():
-        return " ".join(drawn(stage, viewer.VGROOVE_PT_viewer).texts)
+        return " ".join(drawn(stage, viewer_panel.VGROOVE_PT_viewer).texts)
 
     assert said() == ""
     settings = settings_of(stage)
@@ -216,14 +192,14 @@ def test_the_panel_says_why_nothing_is_drawn(stage):
 
 def test_numbers_that_do_not_go_together_are_told(stage):
     """As an artist may set them for a moment; nothing is drawn, and no redraw fails."""
-    from vgroove.addon.ui import viewer
+    from vgroove.addon.ui import viewer_panel
 
     made = material.build(presets.find("plastics/red_plastic"), material.Choice())
     stage.context.object.active_material = made
     sockets = material.parameter_sockets(made)
     sockets["d"].default_value = sockets["s"].default_value = 0.8
     assert shown(stage, spherical(0.7)) == []
-    assert "d + s must be at most 1" in " ".join(drawn(stage, viewer.VGROOVE_PT_viewer).texts)
+    assert "d + s must be at most 1" in " ".join(drawn(stage, viewer_panel.VGROOVE_PT_viewer).texts)
 
 
 def test_every_setting_has_a_tooltip_and_draws_nothing_by_itself(extension):

@@ -56,6 +56,7 @@ EXAMPLES["anisotropic_sum-coupled"] = example("anisotropic_sum", "dielectric", f
 EXAMPLES["cook_torrance-total-reflection"] = example("cook_torrance", "dielectric", eta=0.7)
 EXAMPLES["ward-turned"] = example("ward", "bounded", anisotropy=0.9, rotation=0.3)
 EXAMPLES["ashikhmin_shirley-turned"] = example("ashikhmin_shirley", "plain", anisotropy=0.9, rotation=0.3)
+EXAMPLES["ashikhmin_shirley-lambert"] = example("ashikhmin_shirley", "lambert", amplitude=(0.7, 0.6, 0.5))
 EXAMPLES["anisotropic-turned"] = example("anisotropic", "conductor", anisotropy=0.9, rotation=0.3)
 HELD = {name: of for name, of in EXAMPLES.items() if not of.spec.flaw(of)}  # no metal as a coat
 

@@ -20,14 +20,20 @@ def load(path):
 
 
 @pytest.fixture(scope="session")
-def session(tmp_path_factory):
-    """Installed; where Blender's system cannot be set up, an error of one line, not a skip."""
+def window():
+    """A Blender with a window; where its system cannot be set up, an error of one line, not a skip."""
     machine = load(ROOT / "tools" / "window" / "machine.py")
     try:
         machine.set_up()
     except machine.UnavailableError as error:
         pytest.exit(str(error), returncode=3)
-    installed = load(ROOT / "tools" / "window" / "session.py").Session("tests")
+    return load(ROOT / "tools" / "window" / "session.py")
+
+
+@pytest.fixture(scope="session")
+def session(window, tmp_path_factory):
+    """With the extension installed."""
+    installed = window.Session("tests")
     package = load(ROOT / "tools" / "package.py")
     installed.install(package.package(tmp_path_factory.mktemp("dist")))
     if not (installed.extension / "assets").exists():  # a zip without the library, which `make package` adds

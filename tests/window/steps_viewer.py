@@ -3,6 +3,7 @@
 import contextlib
 import sys
 import time
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -56,13 +57,13 @@ def lobe(hands):
     yield from hands.click(place(area, (0.0, 0.0, 1.0)))  # the middle of the top
     assert (setting().place, setting().show) == ("POINT", True)
     np.testing.assert_allclose([*setting().point, *setting().normal], [0, 0, 1, 0, 0, 1], atol=0.05)
-    assert setting().slice
+    assert setting().plots == {"PLANE"}
     yield from hands.move(area.x + 60, area.y + 60)
     yield 1.0
-    corner = viewport(hands, area, "corner")[:170, 100:420]
-    setting().slice = False
+    corner = viewport(hands, area, "corner")[:200, 60:340]
+    setting().plots = set()
     yield 1.0
-    without_slice = viewport(hands, area, "without_slice")[:170, 100:420]
+    without_slice = viewport(hands, area, "without_slice")[:200, 60:340]
     assert blue(corner) > blue(without_slice) + 200
     drawn = viewport(hands, area, "drawn")
     assert blue(drawn) > blue(without) + 2000
@@ -167,3 +168,120 @@ def leaves(hands, area, before):
     assert not [one for one in handlers if "viewer" in getattr(one, "__module__", "")]
     sys.modules[ROOT].register()
     yield 0.5
+
+
+def click(hands):
+    """The material of the clicked face is shown, with what its texture is there, not the active one."""
+    area = hands.area("VIEW_3D")
+    cube = bpy.context.object
+    bpy.context.scene.vgroove.preset = "diffuse/clay"
+    bpy.ops.vgroove.apply()
+    clay = cube.active_material
+    cube.data.materials.append(clay)
+    cube.material_slots[0].material = bpy.data.materials.new("Active")
+    cube.active_material_index = 0
+    for face in cube.data.polygons:
+        face.material_index = int(face.normal.z > 0.5)  # the top is of clay
+    image = bpy.data.images.new("Red", 2, 2)
+    image.pixels.foreach_set([1.0, 0.0, 0.0, 1.0] * 4)
+    tree = clay.node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    (group,) = (one for one in tree.nodes if one.type == "GROUP")
+    tree.links.new(node.outputs[0], group.inputs["Base Color"])
+    with hands.within(area):
+        bpy.ops.view3d.view_selected()
+    area.spaces.active.region_3d.view_distance = 6.0
+    yield 1.0
+    with hands.within(area):
+        bpy.ops.vgroove.pick_point("INVOKE_DEFAULT")
+    yield 0.5
+    yield from hands.click(place(area, (0.3, 0.2, 1.0)))
+    assert setting().picked == clay
+    draw = sys.modules[f"{ROOT}.addon.ui.viewer_draw"]
+    viewer = sys.modules[f"{ROOT}.addon.ui.viewer"]
+    assert viewer.candidates(bpy.context)[0] == clay
+    setting().light_from, setting().channel = "ANGLES", "color"
+    wi = viewer.toward_light(bpy.context.scene, None, viewer.frame(bpy.context.scene))
+    ((found, _),) = draw.shown(bpy.context, wi)
+    assert found.rgb[..., 0].max() > 0.1
+    assert found.rgb[..., 1].max() < 1e-3
+    yield 1.0
+    hands.picture("click")
+    setting().place = "CURSOR"
+    assert viewer.candidates(bpy.context)[0] == cube.active_material
+
+
+# In place of Blender: measures at leisure. Half of it is done after a moment, all of it once the file "go" is there.
+SLOW = """
+import pathlib, sys, time, numpy as np
+folder = pathlib.Path(sys.argv[1])
+(folder / "progress").write_text("0.5")
+while not (folder.parent / "go").exists():
+    time.sleep(0.05)
+at = np.linspace(-80.0, 80.0, 33)
+one = {"at": at, "rgb": np.full((33, 3), 0.2), "cosines": np.ones((33, 2))}
+np.savez(folder / "points.npz", **{f"{p}.{n}": v for p in ("PLANE", "ACROSS") for n, v in one.items()},
+         **{f"{p}.{n}": v[17:] for p in ("ALBEDO", "THETA_H") for n, v in one.items()})
+"""
+
+
+def plots(hands):
+    """All four, of Principled as it is measured, in two themes; the file of them; Esc stops a measurement."""
+    area = hands.area("VIEW_3D")
+    yield from hands.tab(area, "V-Groove")
+    measure = sys.modules[f"{ROOT}.addon.ui.viewer_measure"]
+    with hands.within(area):  # Debian's Blender has no OSL, and says so
+        assert not bpy.ops.vgroove.measure.poll()
+    assert "no OSL" in measure.unavailable()
+    measure.unavailable = lambda: ""
+    measure.command = lambda folder: ["/usr/bin/python3", "-c", SLOW, str(folder)]
+    bpy.context.scene.vgroove.preset = "lecture/copper"
+    bpy.ops.vgroove.apply()
+    setting().other = bpy.context.object.active_material
+    principled = bpy.data.materials.new("Mine")
+    bpy.context.object.active_material = principled
+    setting().light_from, setting().theta, setting().show = "ANGLES", 0.8, True
+    setting().plots = {"PLANE", "ACROSS", "ALBEDO", "THETA_H"}
+    yield 1.0
+    before = blue(viewport(hands, area, "plots_before")[:220])
+    with hands.within(area):
+        assert bpy.ops.vgroove.measure("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+        assert not bpy.ops.vgroove.measure.poll()
+    (job,) = measure._running
+    yield 2.0
+    assert job.progress == 0.5
+    setting().theta = 0.9  # the window goes on
+    yield 0.5
+    setting().theta = 0.8
+    hands.picture("measuring")
+    yield from hands.key("ESC")
+    assert measure._running == []
+    assert job.process.poll() is not None
+    assert not job.folder.exists()
+    with hands.within(area):
+        bpy.ops.vgroove.measure("INVOKE_DEFAULT")
+    (job,) = measure._running
+    (job.folder.parent / "go").touch()
+    for _ in range(40):
+        yield 0.5
+        if not measure._running:
+            break
+    assert measure.points_of(principled, measure._measured[principled.session_uid].wi, "PLANE") is not None
+    yield 1.0
+    assert blue(viewport(hands, area, "plots_after")[:220]) > before + 100
+    path = hands.folder / "written"
+    with hands.within(area):
+        assert bpy.ops.vgroove.export_plots(filepath=str(path), file_format=".png") == {"FINISHED"}
+    written = hands.pixels(path.with_suffix(".png"))
+    assert written.shape == (558, 3192, 3)
+    assert written[:5].min() > 0.99  # paper
+    assert blue(written) > 500
+    set_light_theme()
+    yield 1.0
+    hands.picture("plots_light")
+
+
+def set_light_theme():
+    path = Path(bpy.utils.preset_paths("interface_theme")[0], "Blender_Light.xml")
+    bpy.ops.script.execute_preset(filepath=str(path), menu_idname="USERPREF_MT_interface_theme_presets")

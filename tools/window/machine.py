@@ -83,11 +83,11 @@ def _bootstrap() -> None:
     part.rename(SYSTEM)
 
 
-def inside(*command: str, alone: bool = False) -> list[str]:
+def inside(*command: str, alone: bool = False, network: bool = False) -> list[str]:
     """A command in Blender's system. Its processes end with it, and so does what is mounted.
 
-    alone: without a network, which no test needs, and which keeps other screens away; and without this process's
-    environment, where the bpy wheel tells Blender of its own files. apt may need both.
+    alone: without a network, which keeps other screens away; and without this process's environment, where the bpy
+    wheel tells Blender of its own files. apt may need both. network: with this machine's network after all.
     """
     spaces = ["--mount", "--pid", "--fork", "--kill-child", f"--mount-proc={SYSTEM / 'proc'}"]
     settings = ["HOME=/root", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LC_ALL=C.UTF-8", "DEBIAN_FRONTEND=noninteractive"]
@@ -95,7 +95,7 @@ def inside(*command: str, alone: bool = False) -> list[str]:
     return [
         "unshare",
         *spaces,
-        *["--net"] * alone,
+        *["--net"] * (alone and not network),
         "chroot",
         str(SYSTEM),
         "env",

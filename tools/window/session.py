@@ -70,12 +70,14 @@ class Session:
         assert not any(word in said for word in ERRORS), said
         return found["notes"]
 
-    def blender(self, settings: str, *arguments: str, screen: bool = False) -> str:
+    def blender(self, settings: str, *arguments: str, screen: bool = False, network: bool = False) -> str:
         """What Blender prints."""
         size = "x".join(map(str, machine.PIXELS))
         on = ["xvfb-run", "--auto-servernum", "--server-args", f"-screen 0 {size}x24"] if screen else []
         user = f"BLENDER_USER_RESOURCES={self.place}/{settings}"
-        command = machine.inside("env", "LIBGL_ALWAYS_SOFTWARE=1", user, *on, "blender", *arguments, alone=True)
+        command = machine.inside(
+            "env", "LIBGL_ALWAYS_SOFTWARE=1", user, *on, "blender", *arguments, alone=True, network=network
+        )
         done = subprocess.run(
             command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, stdin=subprocess.DEVNULL,
             timeout=SECONDS, check=False,

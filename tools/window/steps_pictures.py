@@ -15,7 +15,13 @@ if TYPE_CHECKING:
 
 WORD = "red"  # in the picture of a search; of many families
 SUBPANELS = "VGROOVE_PT_advice", "VGROOVE_PT_parameters", "VGROOVE_PT_source"
+RENDERS = 25.0  # seconds in which the picture of the viewport is done
 GRID = 620  # pixels that it needs beside the panel
+FILM = (
+    ("red car", "car_paints/candy_red_car_paint"),
+    ("gold", "metals/gold"),
+    ("candle wax", "organic/candle_wax"),
+)  # search, preset
 
 
 def panel(hands: Any) -> Steps:
@@ -104,3 +110,75 @@ def viewer(hands: Any) -> Steps:
     yield 2.0
     window = hands.region(area, "WINDOW")
     hands.picture("viewer", (window.x, window.y, region.x + region.width - window.x, window.height - 60))
+
+
+def film(hands: Any) -> Steps:
+    """A search is typed, a picture chosen, Apply pressed, and Cycles renders it in the viewport; three times.
+
+    Notes of each frame: milliseconds, and where the mouse is, as a screen without a display shows no pointer.
+    """
+    area = hands.area("VIEW_3D")
+    stage(hands, area)
+    frames = hands.notes["frames"] = []
+
+    def frame(milliseconds: int) -> None:
+        hands.picture(f"film_{len(frames):03}")
+        frames.append((milliseconds, hands.x, hands.window.height - hands.y))
+
+    yield from hands.tab(area, "V-Groove")
+    region, window = hands.region(area, "UI"), hands.region(area, "WINDOW")
+    hands.notes["part"] = (window.x, hands.window.height - window.y - window.height, window.width, window.height)
+    yield from hands.move(region.x - 200, region.y + 200)
+    yield RENDERS
+    frame(1000)
+    settings = bpy.context.scene.vgroove
+    for word, preset in FILM:
+        at = yield from hands.find(area, "vgroove.search")
+        frame(400)
+        yield from hands.click(at)
+        yield from hands.key("A", ctrl=True)
+        for letter in word:
+            yield from hands.type(letter)
+            frame(110)
+        yield from hands.key("RET")
+        frame(700)
+        x, y = yield from hands.find(area, "vgroove.shown")
+        yield from hands.click((x, y + 80))
+        yield 2.0
+        frame(1200)
+        yield from hands.key("ESC")
+        settings.preset = preset
+        at = yield from hands.find(area, "vgroove.apply")
+        frame(500)
+        yield from hands.click(at)
+        for seconds, shown in ((1.0, 300), (2.0, 400), (RENDERS, 2200)):
+            yield seconds
+            frame(shown)
+
+
+def stage(hands: Any, area: Any) -> None:
+    """Blender's monkey on a floor below a window, rendered by Cycles in the viewport."""
+    scene = bpy.context.scene
+    lights = ((3.0, -2.0, 4.0), (0.6, 0.55, 0.0), 150.0), ((-4.0, -1.0, 2.0), (0.3, -1.1, 0.0), 80.0)
+    with hands.within(area):
+        bpy.ops.object.delete()
+        bpy.ops.mesh.primitive_plane_add(size=30.0, location=(0.0, 0.0, -0.95))
+        grey = bpy.data.materials.new("Floor")
+        grey.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.1, 0.1, 0.11, 1.0)
+        bpy.context.object.data.materials.append(grey)
+        bpy.ops.mesh.primitive_monkey_add(size=2.0, rotation=(-0.45, 0.0, 0.75))
+        monkey = bpy.context.object
+        monkey.modifiers.new("Subdivision", "SUBSURF").levels = 2
+        bpy.ops.object.shade_smooth()
+        for place, turn, power in lights:
+            bpy.ops.object.light_add(type="AREA", location=place, rotation=turn)
+            bpy.context.object.data.energy, bpy.context.object.data.size = power, 2.5
+        bpy.ops.object.select_all(action="DESELECT")
+    bpy.data.objects.remove(bpy.data.objects["Light"])
+    monkey.select_set(state=True)
+    bpy.context.view_layer.objects.active = monkey
+    scene.render.engine, scene.cycles.preview_samples = "CYCLES", 24
+    space = area.spaces.active
+    space.overlay.show_overlays = space.show_gizmo = space.show_region_toolbar = False
+    space.shading.type = "RENDERED"
+    space.region_3d.view_distance, space.region_3d.view_location = 4.2, (0.35, 0.2, -0.1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What else could show a preset: a module for each model, named as it is.
+"""What else could show a preset: a module for a model, named as it is, or ``exported`` for those without one.
 
 LOCAL           whether light leaves the surface where it arrives, so that f alone says what a ball looks like
 cycles(preset)  Cycles' own materials that an artist would take instead, as ``nodes.Peer``
@@ -11,6 +11,7 @@ UNIVERSAL       what of the universal material's data the model sets: weights th
 from __future__ import annotations
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -19,4 +20,5 @@ if TYPE_CHECKING:
 
 def of(preset: Preset) -> Any:
     """The module of the preset's model."""
-    return import_module(f".{preset.model}", __name__)
+    own = find_spec(f".{preset.model}", __name__)
+    return import_module(f".{preset.model}" if own else ".exported", __name__)

@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..addon.library.errors import InputError
-from ..addon.measured.merl import directions as pairs_of
-from ..addon.measured.summary import reflected
-from ..addon.reference import Smooth, lobe, rendered, spherical
-from ..addon.reference.anisotropic import turned
+from ..library.errors import InputError
+from ..reference import Smooth, lobe, rendered, spherical
+from ..reference.anisotropic import turned
+from .merl import directions as pairs_of
+from .summary import reflected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from ..addon.reference.directions import Floats
-    from ..addon.reference.model import Brdf
+    from ..reference.directions import Floats
+    from ..reference.model import Brdf
 
 MOST = 8  # BRDFs in one figure, as many colours as can be told apart
 ALBEDO_ANGLES = np.concatenate([np.arange(0.0, 85.0, 2.5), [85.0, 87.0, 88.0, 89.0]])  # degrees; a quadrature each
@@ -154,7 +154,7 @@ def _over_theta_d(brdfs: Mapping[str, Plotted], view: View) -> Numbers:
 
 
 def _half(brdfs: Mapping[str, Plotted], view: View, axis: str, at: Floats, theta_h: Floats, theta_d: Floats) -> Numbers:
-    wi, wo = _pairs(theta_h, theta_d, view)
+    wi, wo = pairs(theta_h, theta_d, view)
     both = (wi[..., 2] > 0) & (wo[..., 2] > 0)
     return _evaluated(brdfs, view, (axis,), at[both][:, None], wi[both], wo[both])
 
@@ -163,7 +163,7 @@ def _image(brdfs: Mapping[str, Plotted], view: View) -> Numbers:
     """(theta_h, theta_d), at the centres of cells that are narrow where theta_h is small; NaN below the horizon."""
     centres = (np.arange(CELLS) + 0.5) / CELLS
     theta_h, theta_d = np.meshgrid(90.0 * np.square(centres), 90.0 * centres, indexing="ij")
-    wi, wo = _pairs(theta_h, theta_d, view)
+    wi, wo = pairs(theta_h, theta_d, view)
     found = _evaluated(brdfs, view, ("theta_h", "theta_d"), np.stack([theta_h, theta_d], axis=-1), wi, wo)
     below = (wi[..., 2] <= 0) | (wo[..., 2] <= 0)
     for rgb in found.rgb.values():
@@ -171,10 +171,10 @@ def _image(brdfs: Mapping[str, Plotted], view: View) -> Numbers:
     return found
 
 
-def _pairs(theta_h: Floats, theta_d: Floats, view: View) -> tuple[Floats, Floats]:
-    """wi and wo, with the half vector on phi_i's side, as the light of a slice is."""
-    pairs = pairs_of(np.radians(theta_h), np.radians(theta_d), np.radians(np.full_like(theta_h, view.phi_d)))
-    wi, wo = (turned(one, -np.radians(view.phi_i)) for one in pairs)
+def pairs(theta_h: Floats, theta_d: Floats, view: View) -> tuple[Floats, Floats]:
+    """wi and wo (..., 3) at these angles in degrees, the half vector on phi_i's side, as the light of a slice is."""
+    both = pairs_of(np.radians(theta_h), np.radians(theta_d), np.radians(np.full_like(theta_h, view.phi_d)))
+    wi, wo = (turned(one, -np.radians(view.phi_i)) for one in both)
     return wi, wo
 
 
