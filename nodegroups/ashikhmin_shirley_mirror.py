@@ -12,23 +12,8 @@ from typing import TYPE_CHECKING
 
 from . import ashikhmin_shirley as model
 from . import ashikhmin_shirley_direct as direct
-from ._tree import (
-    clamp,
-    cos,
-    cross,
-    dot,
-    exp,
-    log,
-    maximum,
-    minimum,
-    normalize,
-    output,
-    scale,
-    sin,
-    sqrt,
-    tangents,
-    vector,
-)  # fmt: skip
+from ._native import output
+from ._tree import clamp, cos, cross, dot, exp, log, maximum, minimum, normalize, scale, sin, sqrt, tangents, vector
 from .lamp_beams import beam_interfaces
 from .random_numbers import random_numbers, stream
 from .shading_normal import shading_normal, smoothing, specular_normal
