@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = ".VGroove Ashikhmin-Shirley EEVEE"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, *, radial: bool) -> None:

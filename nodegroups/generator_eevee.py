@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = ".VGroove Generator EEVEE"
-REVISION = 1
+REVISION = 2
 
 
 def build(tree: Tree, kind: str, of: Distribution) -> None:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Measured Closure"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, of: Measured, kind: str) -> None:  # noqa: ARG001 (as of the others)
