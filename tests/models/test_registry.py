@@ -211,11 +211,12 @@ def test_sockets_have_the_specs_ranges_and_tips(instrument, preset):
                 assert any(high == pytest.approx(of, rel=2e-6) for of in (one.high, one.native_high) if of is not None)
 
 
-LOBE = ["Base Color", "Specular Color", "Roughness"]
+LOBE = ["Base Color", "Specular Color"]
+GROOVES = ["Anisotropy", "Rotation", "Tangent"]
 ORDER = {  # of an artist's inputs
-    "phong": [*LOBE, "Normal"],
-    "blinn_phong": [*LOBE, "Normal"],
-    "ashikhmin_shirley": [*LOBE, "Anisotropy", "Rotation", "Tangent", "Normal"],
+    "phong": [*LOBE, "Roughness", "Normal"],
+    "blinn_phong": [*LOBE, "Roughness", "Normal"],
+    "ashikhmin_shirley": [*LOBE, "Specular Tint", "Roughness", *GROOVES, "Normal"],
 }
 
 
