@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Ashikhmin-Shirley Closure"
-REVISION = 2
+REVISION = 3
 TIP = "To the material's Surface. Near the formula; toward grazing views it differs, the more the rougher it is"
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Ashikhmin-Shirley Corrected"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Carried = Callable[[Value, Value, Value], tuple[Value, Value | float]]
 
 NAME = "VGroove Ashikhmin-Shirley Direct"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str, lamps: int, *, radial: bool) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Ashikhmin-Shirley Fit"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str, *, radial: bool) -> None:

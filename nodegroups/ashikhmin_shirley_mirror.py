@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from ._tree import Tree, Value
 
 NAME = "VGroove Ashikhmin-Shirley Mirror"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str, lamps: int = 0, *, radial: bool) -> None:

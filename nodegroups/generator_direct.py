@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Generator Direct"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str, of: Distribution, lamps: int) -> None:

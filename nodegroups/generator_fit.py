@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Generator Fit"
-REVISION = 2
+REVISION = 3
 LOBE_NAME = ".VGroove Generator Fit Lobe"
 LOBE_REVISION = 2
 TIP = "To the material's Surface"

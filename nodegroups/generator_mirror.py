@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ._tree import Tree
 
 NAME = "VGroove Generator Mirror"
-REVISION = 2
+REVISION = 3
 
 
 def build(tree: Tree, kind: str, of: Distribution, lamps: int = 0) -> None:
