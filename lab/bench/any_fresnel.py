@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...addon.models import fresnel as fresnel_kinds
+from ...addon.models.spec import Parameter
 from ...nodegroups import cook_torrance_closure as closure
 from ...nodegroups import fresnel, osl_script
 from ...nodegroups._tree import Value, select
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from ...nodegroups._tree import Tree
 
 ANY = "any"  # the kind of Fresnel term that data choose
+SWITCH = Parameter("kind", "kind", "Which of several, by number", 0.0, 0.0, 10.0)
 
 
 class AnyFresnel:
@@ -32,14 +34,23 @@ class AnyFresnel:
     KINDS = dict(fresnel.KINDS)
 
     def __init__(self, *, osl: bool) -> None:
-        self._osl = osl  # there the scripts have the switch
+        f82, dielectric, conductor = (
+            fresnel_kinds.KINDS[kind].parameters for kind in ("f82", "dielectric", "conductor")
+        )
+        self.parameters = (
+            *f82,
+            *dielectric,
+            *(replace(one, label=one.symbol) for one in conductor),
+        )  # two are called IOR
+        self._switch = () if osl else (SWITCH,)  # in OSL the scripts have it
 
     def interface(self, tree: Tree) -> dict[str, Value]:
-        f82, dielectric = (self.KINDS[kind].interface(tree) for kind in ("f82", "dielectric"))
-        terms = fresnel_kinds.KINDS["conductor"].parameters  # both indices are called IOR
-        conductor = {one.name: add_input(tree, replace(one, label=one.symbol)) for one in terms}
-        kind = {} if self._osl else {"kind": _kind_input(tree)}
-        return f82 | dielectric | conductor | kind
+        inputs = {one.name: add_input(tree, one) for one in self.parameters}
+        return inputs | {one.name: _kind_input(tree) for one in self._switch}
+
+    def as_kind(self) -> fresnel_kinds.Kind:
+        """For groups nested in these, which take the inputs by their names."""
+        return replace(fresnel_kinds.KINDS["f82"], label="Any", parameters=(*self.parameters, *self._switch))
 
     def build(self, tree: Tree) -> None:
         parameters = self.interface(tree)
@@ -52,8 +63,8 @@ class AnyFresnel:
         tree.output_color("F", F, tip="Fresnel reflectance")
 
 
-def _kind_input(tree: Tree, name: str = "kind") -> Value:
-    tree.input_float(name, 0.0, low=0.0, high=10.0, tip="Which of several, by number")
+def _kind_input(tree: Tree, name: str = SWITCH.name) -> Value:
+    tree.input_float(name, SWITCH.low, low=SWITCH.low, high=SWITCH.high, tip=SWITCH.tip)
     return tree.input_named(name)  # after a panel it is not the last
 
 
@@ -79,13 +90,15 @@ def any_kind(*, osl: bool) -> Iterator[None]:
             for index, of in enumerate(AnyFresnel.KINDS)
         ])  # fmt: skip
 
-    fresnel.KINDS[ANY] = AnyFresnel(osl=osl)  # type: ignore[assignment]
+    among = AnyFresnel(osl=osl)
+    fresnel.KINDS[ANY] = among  # type: ignore[assignment]
+    fresnel_kinds.KINDS[ANY] = among.as_kind()
     closure.lobe = lobe  # type: ignore[assignment]
     try:
         yield
     finally:
         closure.lobe = native
-        del fresnel.KINDS[ANY]
+        del fresnel.KINDS[ANY], fresnel_kinds.KINDS[ANY]
 
 
 def by_data(make: Callable[..., None], *parameters: str) -> Callable[..., None]:

@@ -69,7 +69,7 @@ def test_nothing_breaks_at_the_ends(instrument, of, estimator, osl):
 
     With tangents along the normal and too long, and UVs of no extent or none.
     """
-    (width,) = (one for one in of.spec.parameters if one.is_roughness)
+    (width,) = (one for one in of.spec.parameters if one.label == "Roughness")
     ends = (width.low, width.high)
     cases = [*product((*ends, width.default), (1.0,), TANGENTS), *product(ends, (0.0,), ({},))]
     for value, anisotropy, how in cases:
