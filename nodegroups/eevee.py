@@ -92,16 +92,17 @@ def is_formula(node: Node) -> bool:
 def by_formula(tree: Tree, alpha: Value) -> Value:
     """1 in the camera's view in EEVEE without raytracing, else 0."""
     node = tree.group(ensure(SHARE_NAME, REVISION, build_share), Alpha=alpha)
-    node.inputs["Alpha"].default_value = 0.0  # what Cycles reads, where nothing gives alpha
     return Value(tree, node.outputs["Share"])
 
 
 def build_share(tree: Tree) -> None:
-    alpha = tree.input_float("Alpha", 0.0, low=0.0, high=1.0, tip="1 in EEVEE, 0 in Cycles")
+    alpha = tree.input_float("Alpha", 0.0, low=0.0, high=1.0, tip="1 in EEVEE, 0 in Cycles", held=False)
     with tree.frame("The camera's view in EEVEE without raytracing"):
         traced = tree.node("ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name="eevee.use_raytracing")
         camera = Value(tree, output(tree.node("ShaderNodeLightPath"), "Is Camera Ray"))
         share = alpha * (camera * (1.0 - Value(tree, output(traced, "Fac"))))
+        # Blender dissolves groups before Cycles sees them, which knows no Shader to RGB and reads this node's own value.
+        share.socket.node.inputs[0].default_value = 0.0
     tree.output_float("Share", share, tip="1 where EEVEE shows the formula, else 0")
 
 

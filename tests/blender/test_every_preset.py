@@ -36,7 +36,7 @@ def sent_back(balls, members, backend):
         assert np.isfinite(ball).all(), preset.id
         assert ball.min() >= 0.0, preset.id
         assert np.all(mean <= 1.0 + 4.0 * noise + 1e-4), (preset.id, mean, noise)  # 1e-4: float32 sums
-        assert mean.max() > 0.005, (preset.id, mean)
+        assert mean.max() > 0.002, (preset.id, mean)  # black obsidian, a fit, has .0034
         found.append((mean, noise))
     return found
 
