@@ -101,7 +101,7 @@ def build_share(tree: Tree) -> None:
         traced = tree.node("ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name="eevee.use_raytracing")
         camera = Value(tree, output(tree.node("ShaderNodeLightPath"), "Is Camera Ray"))
         share = alpha * (camera * (1.0 - Value(tree, output(traced, "Fac"))))
-        # Blender dissolves groups before Cycles sees them, which knows no Shader to RGB and reads this node's own value.
+        # Blender dissolves groups before Cycles sees them, which lacks Shader to RGB and reads this node's own value.
         share.socket.node.inputs[0].default_value = 0.0
     tree.output_float("Share", share, tip="1 where EEVEE shows the formula, else 0")
 

@@ -11,10 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ..measured import curves
-from ..measured.summary import reflected
 from ..reference import lobe, rendered
-from . import material, measuring, texel
+from . import material, texel
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -30,9 +28,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 BRDF = "f"  # the whole, beside the terms "D", "G" and "F"
-KINDS = {  # of measuring's plots, what curves calls them
-    measuring.PLANE: "polar", measuring.ACROSS: "polar", measuring.ALBEDO: "albedo", measuring.THETA_H: "theta_h"
-}  # fmt: skip
+KINDS = {lobe.PLANE: "polar", lobe.ACROSS: "polar", lobe.ALBEDO: "albedo", lobe.THETA_H: "theta_h"}  # of curves
 MOST_KEPT = 64  # lobes and curves: of two materials, under the lights of several viewports
 DIGITS = 7  # of a direction; Blender's matrices hold float32
 NODES = 32, 48  # of the albedo's quadrature
@@ -115,17 +111,19 @@ def of_material(of: Material, wi: Floats, times: str = "one", term: str = BRDF, 
 def curve_of(
     of: Material, wi: Floats, plot: str, times: str = "one", term: str = BRDF, uvs: Uvs | None = None
 ) -> Numbers | None:
-    """What a plot, one of ``measuring``'s, shows of a material under the light of ``of_material``; its name is "".
+    """What a plot, one of ``lobe.PLOTS``, shows of a material under the light of ``of_material``; its name is "".
 
     The albedo is that of the whole f, by a quadrature that is quick and good to 0.003; None of what also mirrors in one
     direction.
     """
+    from ..measured import curves  # here, as Blender imports this file when it starts
+    from ..measured.summary import reflected
 
     def curve(seen: _Seen) -> Numbers | None:
-        if plot == measuring.ALBEDO and seen.mirrors:
+        if plot == lobe.ALBEDO and seen.mirrors:
             return None
         theta, phi = np.degrees([np.arctan2(np.hypot(wi[0], wi[1]), wi[2]), np.arctan2(wi[1], wi[0])])
-        view = curves.View(theta, phi, 90.0 if plot == measuring.ACROSS else 0.0, times=times)
+        view = curves.View(theta, phi, 90.0 if plot == lobe.ACROSS else 0.0, times=times)
         whole = seen.brdfs[BRDF]
 
         def albedo(wo: Floats) -> Floats:
@@ -148,6 +146,8 @@ def _kept(
     preset = preset_of(of, uvs)
     seen = _seen.get(of.session_uid)
     if seen is None or seen.preset != preset:
+        from ..measured import curves  # here, as Blender imports this file when it starts
+
         model = preset.reference()
         brdfs = {BRDF: rendered(model, "direct"), **lobe.terms(model)}
         seen = _seen[of.session_uid] = _Seen(

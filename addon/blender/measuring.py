@@ -19,6 +19,7 @@ import numpy as np
 from ..library.files import replacing
 from ..measured import curves
 from ..models.estimators import NATIVE
+from ..reference.lobe import ACROSS, ALBEDO, PLANE, PLOTS, THETA_H
 from . import colour_space, gonio, material, origin
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-PLOTS = PLANE, ACROSS, ALBEDO, THETA_H = "PLANE", "ACROSS", "ALBEDO", "THETA_H"
 ROWS = 45  # of a slice, on each side of the normal
 SKY_ROWS = 15
 HALF = 88.0 * np.square((np.arange(16) + 0.5) / 16.0)  # degrees

@@ -36,7 +36,7 @@ def different_rays(scene: Scene) -> float:
         return float(SAMPLED_RAYS**2 / 2)
     x, y, u, v = np.random.default_rng(1).random((4, SAMPLED_RAYS), dtype=np.float32)
     rows = np.concatenate(_rays(scene, scene.camera, x, y, u, v), axis=-1)
-    _, counts = np.unique(rows.view(np.uint32).astype(np.uint64) @ _MIX, return_counts=True)
+    _, counts = np.unique(rows.view(np.uint32).astype(np.uint64) @ _mix(), return_counts=True)
     return different(counts)
 
 
@@ -51,7 +51,9 @@ def different(counts: NDArray[np.int64]) -> float:
     return drawn * (drawn - 1) / max(alike, 2)
 
 
-_MIX = np.random.default_rng(1).integers(0, 2**63, 6, dtype=np.uint64) | np.uint64(1)  # one number for six
+def _mix() -> NDArray[np.uint64]:
+    """Makes one number of six. A function, as NumPy's random numbers take 7 ms to import."""
+    return np.random.default_rng(1).integers(0, 2**63, 6, dtype=np.uint64) | np.uint64(1)
 
 
 def _rays(

@@ -6,7 +6,6 @@ The light is at theta_i and phi_i. theta_o is positive on the mirror's side of t
 
 from __future__ import annotations
 
-import csv
 import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -117,6 +116,8 @@ def csv_text(plot: str, shown: Numbers, view: View) -> str:
 
     R, G, B in linear Rec.709, Y their luminance.
     """
+    import csv  # here, as Blender imports this file when it starts
+
     file = io.StringIO()
     angles = ", ".join(f"{name} = {value:g} deg" for name, value in vars(view).items() if name != "times")
     file.write(f"# {plot}: {angles}\n")

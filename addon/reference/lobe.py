@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .model import Brdf
 
 TIMES = ("one", "cos_o", "cos_io")  # what f is multiplied by: 1, cos theta_o, cos theta_i cos theta_o
+PLOTS = PLANE, ACROSS, ALBEDO, THETA_H = "PLANE", "ACROSS", "ALBEDO", "THETA_H"  # of the BRDF Viewer
 CHANNELS = ("luminance", "red", "green", "blue")
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear Rec.709
 DECADES = 4.0  # that a logarithmic lobe shows, down from the peak

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import struct
 import zlib
@@ -93,6 +92,8 @@ class VGROOVE_OT_export_plots(bpy.types.Operator, ExportHelper):
 
 def csv_text(curves: Mapping[str, Sequence[viewer_plots.Curve]]) -> str:
     """A line for each plot, material, source and angle."""
+    import csv  # here, as Blender imports this file when it starts
+
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(["plot", "angle (deg)", "material", "source", *"RGBY"])

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import bpy
 import numpy as np
 
-from ..blender import measuring
 from . import background, viewer
 from .text import lines
 
@@ -50,6 +49,8 @@ class Job:
     """A measurement in another Blender, and its folder."""
 
     def __init__(self, of: bpy.types.Material, wi: Floats, *, shading_osl: bool) -> None:
+        from ..blender import measuring  # here, as Blender imports this file when it starts
+
         self.name, self.uid, self.wi = of.name, of.session_uid, wi
         self.folder = Path(tempfile.mkdtemp(prefix="vgroove-"))
         try:
@@ -63,6 +64,8 @@ class Job:
 
     @property
     def progress(self) -> float:
+        from ..blender import measuring  # here, as Blender imports this file when it starts
+
         return measuring.progress_in(self.folder)
 
     def finish(self) -> str:
@@ -75,6 +78,8 @@ class Job:
         return problem and f"{self.name} was not measured: {problem}"
 
     def _take(self) -> str:
+        from ..blender import measuring  # here, as Blender imports this file when it starts
+
         if why := self.blender.failure():
             return f"Blender in the background ended with {self.blender.process.returncode}: {why}"
         _measured[self.uid] = Measured(self.wi, measuring.points_in(self.folder))

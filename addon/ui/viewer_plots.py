@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import blf
@@ -12,8 +11,8 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from ..blender.measuring import ACROSS, ALBEDO, PLANE, THETA_H
 from ..reference import lobe
+from ..reference.lobe import ACROSS, ALBEDO, PLANE, THETA_H
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -206,10 +205,15 @@ def svg(plots: Sequence[Plot], paper: Color) -> str:
         for text, (x, y), color, left in one.words:
             anchor = {0.0: "start", 0.5: "middle", 1.0: "end"}[left]
             place = f'x="{x:.2f}" y="{HEIGHT - y:.2f}" text-anchor="{anchor}"'
-            rows.append(f'<text {place} fill="{_hex(color)}">{escape(text)}</text>')
+            rows.append(f'<text {place} fill="{_hex(color)}">{_escaped(text)}</text>')
         rows.append("</g>")
     return "\n".join([*rows, "</svg>", ""])
 
 
 def _hex(color: Color) -> str:
     return "#" + "".join(f"{round(255 * min(max(part, 0.0), 1.0)):02x}" for part in color[:3])
+
+
+def _escaped(text: str) -> str:
+    """As text of an XML file."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
