@@ -168,8 +168,9 @@ def test_switching_it_on_reads_no_preset_and_no_picture(archive, tmp_path):
     """And takes at most three times NumPy's import longer than an empty extension.
 
     NumPy, which Blender has imported by then, stands for the speed of the machine: some 0.05 s where nothing else
-    runs, so this is 0.15 s there; both from compiled files, as Blender keeps them. Processor time, as other work makes the longer one wait more often; the least of four
-    of each, as other work slows the processor, too, and the first run compiles.
+    runs, so this is 0.15 s there; both from compiled files, as Blender keeps them. Processor time, as other work makes
+    the longer one wait more often; the least of four of each, as other work slows the processor, too, and the first run
+    compiles.
     """
     empty, ours, peer = [], [], []
     for run in range(4):
