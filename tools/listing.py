@@ -41,7 +41,9 @@ def versions(assets: Path) -> list[tuple[int, ...]]:
 
 
 def library(folder: Path, assets: Path) -> Path:
-    """The library's first page; FileNotFoundError where ``assets`` has none. Empties this session.
+    """The library's first page. Empties this session.
+
+    FileNotFoundError where ``assets`` has no library; RuntimeError in a Blender without the command, or where it fails.
 
     The file of the earliest Blender keeps its name; those of later ones say @bMAJOR_MINOR, from which on Blender shows
     them in its place.
@@ -53,6 +55,11 @@ def library(folder: Path, assets: Path) -> Path:
     from vgroove import headless
 
     headless.prepare()
+    import bpy
+
+    if bpy.app.version < EARLIEST:
+        message = f"Blender {bpy.app.version_string} cannot list {folder} as a remote library; make listing takes 5.3"
+        raise RuntimeError(message)
     from _bpy_internal.assets import remote_library
 
     folder.mkdir(parents=True, exist_ok=True)

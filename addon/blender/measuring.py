@@ -119,7 +119,7 @@ def _rendered(
 
 
 def _for_instrument(of: Material, scene: Scene) -> Material:
-    """The material itself, or built anew where it reads lights: its own are in another scene."""
+    """The material itself, or one built anew for the instrument's lights if it reads the lights of its scene."""
     record = origin.read(of)
     if record is None or record.estimator in NATIVE:
         return of

@@ -95,7 +95,17 @@ def models(_self: Any, _context: Any) -> list[tuple[str, str, str]]:
     return _models
 
 
-class VGROOVE_OT_import_measured(bpy.types.Operator, ImportHelper):
+class Keeps:
+    """What ``keep`` asks of an operator."""
+
+    copy_table: bpy.props.BoolProperty(
+        name="Copy Table", description="Copy the file beside your presets; if off, the preset names it where it is",
+        default=True,
+    )  # fmt: skip
+    apply: bpy.props.BoolProperty(name="Apply", description="Apply the preset to the selected objects", default=False)
+
+
+class VGROOVE_OT_import_measured(bpy.types.Operator, ImportHelper, Keeps):
     """Make a preset of a measured BRDF."""
 
     bl_idname = "vgroove.import_measured"
@@ -109,11 +119,6 @@ class VGROOVE_OT_import_measured(bpy.types.Operator, ImportHelper):
     form: bpy.props.EnumProperty(name="As", description="What the preset is", items=(COMPARE, *FORMS))
     model: bpy.props.EnumProperty(name="Model", description="What is fitted to the table", items=models)
     lobes: bpy.props.IntProperty(name="Lobes", description="How many lobes the fit may have", default=2, min=1, max=4)
-    copy_table: bpy.props.BoolProperty(
-        name="Copy Table", description="Copy the file beside your presets; if off, the preset names it where it is",
-        default=True,
-    )  # fmt: skip
-    apply: bpy.props.BoolProperty(name="Apply", description="Apply the preset to the selected objects", default=False)
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
@@ -152,7 +157,7 @@ class VGROOVE_OT_import_measured(bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
 
-class VGROOVE_OT_keep_measured(bpy.types.Operator):
+class VGROOVE_OT_keep_measured(bpy.types.Operator, Keeps):
     """Keep one of the two forms as a preset."""
 
     bl_idname = "vgroove.keep_measured"
@@ -161,11 +166,6 @@ class VGROOVE_OT_keep_measured(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}  # of the choice and of the material; the file stays
 
     form: bpy.props.EnumProperty(name="As", description="What the preset is", items=FORMS)
-    copy_table: bpy.props.BoolProperty(
-        name="Copy Table", description="Copy the file beside your presets; if off, the preset names it where it is",
-        default=True,
-    )  # fmt: skip
-    apply: bpy.props.BoolProperty(name="Apply", description="Apply the preset to the selected objects", default=False)
 
     @classmethod
     def description(cls, _context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:

@@ -141,7 +141,7 @@ def test_brushed_metal_is_measured_from_its_tangent(blender):
 
 
 def test_another_process_measures_what_is_handed_over(blender, tmp_path):
-    """The material in a file, the same numbers in another; how far it is, is told."""
+    """The other process opens the material from a file, writes the same numbers and reports its progress."""
     made = shader("Principled", {"Base Color": (0.8, 0.5, 0.2, 1.0), "Roughness": 0.4})
     with headless.quiet():
         measuring.hand_over(made, THETA, PHI, tmp_path, shading_osl=False)

@@ -68,7 +68,7 @@ def test_extreme_cases_are_shown_by_what_is_not_as_usual():
 
 
 def test_contenders_are_shown_by_their_figures():
-    """Peers with how they differ; each figure is told by its type."""
+    """A peer's row says how it differs; the caption explains each figure, from its type's docstring."""
     found = section(only({"accuracy/softbox/copper": accuracy()}), "Contenders")
     assert found.columns[:4] == ["scene, subject", "contender", "differs", "bias"]
     assert [row[2] for row in found.rows if row[1] == "Metallic BSDF"] == ["Smith's G"]

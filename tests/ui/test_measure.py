@@ -139,7 +139,7 @@ def test_what_cannot_be_measured_is_refused_in_one_line(extension, plain, tmp_pa
 
 @pytest.fixture
 def behind(extension, plain, monkeypatch):
-    """Starts a measurement by a process that does what it is told."""
+    """A function that starts a measurement whose process waits, then runs the code that it is given."""
     from vgroove.addon.ui import measure
 
     def begin(path, seconds=60, then=""):
