@@ -185,6 +185,8 @@ def size_of(count: int) -> tuple[float, float]:
 
 def svg(plots: Sequence[Plot], paper: Color) -> str:
     """Plots side by side."""
+    from html import escape  # here, as Blender imports this file when it starts
+
     width, height = size_of(len(plots))
     rows = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" {STYLE}>',
@@ -205,15 +207,10 @@ def svg(plots: Sequence[Plot], paper: Color) -> str:
         for text, (x, y), color, left in one.words:
             anchor = {0.0: "start", 0.5: "middle", 1.0: "end"}[left]
             place = f'x="{x:.2f}" y="{HEIGHT - y:.2f}" text-anchor="{anchor}"'
-            rows.append(f'<text {place} fill="{_hex(color)}">{_escaped(text)}</text>')
+            rows.append(f'<text {place} fill="{_hex(color)}">{escape(text)}</text>')
         rows.append("</g>")
     return "\n".join([*rows, "</svg>", ""])
 
 
 def _hex(color: Color) -> str:
     return "#" + "".join(f"{round(255 * min(max(part, 0.0), 1.0)):02x}" for part in color[:3])
-
-
-def _escaped(text: str) -> str:
-    """As text of an XML file."""
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
